@@ -1,0 +1,169 @@
+// The coordinator's side: credit, stop, reports, and the state of the two processes.
+#include <cmath>
+#include <cstring>
+
+#include "common/exchange/link_impl.h"
+
+namespace ballast::exchange {
+namespace {
+
+/// Tells both processes that credit or the gate has changed.
+void ring_credit(Segment::Impl& s) {
+  Word& credit = s.header().credit;
+  // relaxed load: we are its only writer. seq_cst store: first half of the poster's pair, see wake_if_sleeping();
+  // as a release it also publishes `granted` to await_credit().
+  credit.store(credit.load(std::memory_order_relaxed) + 1, std::memory_order_seq_cst);
+  for (Role role : {Role::kFluid, Role::kRigid}) {
+    if (s.takes_part(role)) wake_if_sleeping(credit, s.peer(role));
+  }
+}
+
+void beat(Segment::Impl& s) {
+  PeerLine& self = s.peer(Role::kCoordinator);
+  // relaxed: see Waiter::beat()
+  self.heartbeat.store(self.heartbeat.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+bool finished(const PeerLine& line) {
+  // acquire: partner is the release in Link::finish()
+  return line.state.load(std::memory_order_acquire) == static_cast<std::uint32_t>(Attendance::kFinished);
+}
+
+/// A frame's size must fit its kind. Probes and bodies are doubles, a step is one StepReport, a warning is text.
+bool good_size(const FrameHead& head) {
+  switch (head.kind) {
+    case FrameKind::kStep:
+      return head.bytes == sizeof(StepReport);
+    case FrameKind::kBodies:
+    case FrameKind::kProbes:
+      return head.bytes % 8 == 0;
+    case FrameKind::kWarning:
+      return true;
+  }
+  return false;
+}
+
+Expected reporter(const Segment::Impl& s, Role role, std::uint64_t step) {
+  return {role_name(role), s.peer(role).pid.load(std::memory_order_relaxed), step, 0};
+}
+
+}  // namespace
+
+std::span<const double> Frame::values() const {
+  return {reinterpret_cast<const double*>(payload.data()), payload.size() / sizeof(double)};
+}
+StepReport Frame::step_report() const {
+  StepReport report{};
+  if (payload.size() == sizeof report) std::memcpy(&report, payload.data(), sizeof report);
+  return report;
+}
+std::string Frame::text() const { return {reinterpret_cast<const char*>(payload.data()), payload.size()}; }
+
+Control::Control(Segment& segment) : segment_(segment) { beat(segment.impl()); }
+
+void Control::grant(std::uint64_t step) {
+  Segment::Impl& s = segment_.impl();
+  beat(s);
+  // release: partner is the acquire in try_begin()
+  s.header().granted.store(step, std::memory_order_release);
+  ring_credit(s);
+}
+
+void Control::stop() {
+  Segment::Impl& s = segment_.impl();
+  beat(s);
+  // acq_rel: partners are the compare-and-swaps in try_begin(); from here on nobody raises the gate
+  s.header().gate.fetch_or(kClosed, std::memory_order_acq_rel);
+  ring_credit(s);
+}
+
+Status Control::drain(Role role, std::vector<Frame>& out) {
+  Segment::Impl& s = segment_.impl();
+  beat(s);
+  if (!s.takes_part(role) || role == Role::kCoordinator) return ok();
+  const bool fluid = role == Role::kFluid;
+  Ring ring(fluid ? s.header().fluid_reports : s.header().rigid_reports,
+            s.records<std::byte>(fluid ? Part::kFluidReports : Part::kRigidReports));
+  std::uint32_t left = ring.readable();
+  const auto bad = [&](const FrameHead& head, const char* field, std::uint64_t seen, const char* wanted) {
+    return bad_field(reporter(s, role, head.step), field, std::to_string(seen), wanted);
+  };
+  if (left > ring.capacity()) return bad({}, "head of the report ring", left, "at most its capacity ahead of tail");
+  while (left != 0) {
+    Frame frame{};
+    if (left < sizeof frame.head) return bad({}, "bytes in the report ring", left, "whole frames");
+    ring.get(0, &frame.head, sizeof frame.head);
+    if (!good_size(frame.head)) {
+      return bad(frame.head, static_cast<std::uint32_t>(frame.head.kind) > 3 ? "kind of a report" : "bytes of a report",
+                 static_cast<std::uint32_t>(frame.head.kind) > 3 ? static_cast<std::uint32_t>(frame.head.kind)
+                                                                 : frame.head.bytes,
+                 "what README.md allows");
+    }
+    const std::uint64_t size = sizeof frame.head + (std::uint64_t{frame.head.bytes} + 7) / 8 * 8;
+    if (size > left) return bad(frame.head, "bytes of a report", frame.head.bytes, "no more than were written");
+    if (!std::isfinite(frame.head.time)) {
+      return bad_field(reporter(s, role, frame.head.step), "time of a report", "not finite", "a finite number");
+    }
+    frame.payload.resize(frame.head.bytes);
+    ring.get(sizeof frame.head, frame.payload.data(), frame.payload.size());
+    ring.release_to_writer(static_cast<std::uint32_t>(size));
+    left -= static_cast<std::uint32_t>(size);
+    out.push_back(std::move(frame));
+    if (left == 0) wake_if_sleeping(ring.tail(), s.peer(role));  // once: its writer wakes up to a roomy ring
+  }
+  return ok();
+}
+
+void Control::wait_for_news(std::chrono::milliseconds at_most) {
+  using Clock = std::chrono::steady_clock;
+  Segment::Impl& s = segment_.impl();
+  const Word& news = s.header().news;
+  PeerLine& self = s.peer(Role::kCoordinator);
+  const auto end = Clock::now() + at_most;
+  // seq_cst pair with wake_if_sleeping(), as in Waiter::sleep()
+  self.sleeping.store(1, std::memory_order_seq_cst);
+  const auto died = [&](Role role) { return state(role) == PeerState::kDead; };
+  for (;;) {
+    beat(s);
+    const std::uint32_t now_seen = news.load(std::memory_order_seq_cst);
+    const auto left = end - Clock::now();
+    if (now_seen != s.news_seen || left <= Clock::duration::zero() || died(Role::kFluid) || died(Role::kRigid)) {
+      s.news_seen = now_seen;
+      break;
+    }
+    futex_wait(news, now_seen, std::min<std::chrono::nanoseconds>(left, s.slice));
+  }
+  // relaxed: see ~Waiter
+  self.sleeping.store(0, std::memory_order_relaxed);
+}
+
+PeerState Control::state(Role role) const {
+  const Segment::Impl& s = segment_.impl();
+  const PeerLine& line = s.peer(role);
+  // acquire: partner is claim()
+  const std::uint32_t pid = line.pid.load(std::memory_order_acquire);
+  if (pid == 0) return PeerState::kAbsent;
+  if (finished(line)) return PeerState::kFinished;
+  if (alive(pid, line.start_time.load(std::memory_order_relaxed))) return PeerState::kRunning;
+  return finished(line) ? PeerState::kFinished : PeerState::kDead;  // it may have finished and gone in between
+}
+
+int Control::exit_code(Role role) const {
+  const PeerLine& line = segment_.impl().peer(role);
+  return finished(line) ? static_cast<std::int32_t>(line.exit_code.load(std::memory_order_relaxed)) : kProcessFailed;
+}
+
+std::string Control::final_report(Role role) const {
+  const Segment::Impl& s = segment_.impl();
+  const PeerLine& line = s.peer(role);
+  if (!finished(line)) return {};
+  const auto text = s.records<char>(role == Role::kFluid ? Part::kFluidFinal : Part::kRigidFinal);
+  const std::uint64_t bytes = line.final_bytes.load(std::memory_order_relaxed);
+  return bytes <= text.size() ? std::string(text.data(), bytes) : std::string();
+}
+
+int Control::pid(Role role) const {
+  return static_cast<int>(segment_.impl().peer(role).pid.load(std::memory_order_relaxed));
+}
+
+}  // namespace ballast::exchange

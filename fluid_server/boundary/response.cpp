@@ -1,0 +1,148 @@
+// Sample pressure, wrenches and body accelerations.
+#include "fluid_server/boundary/response.h"
+
+#include <Eigen/Dense>
+
+namespace ballast::fluid {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+Response::Response(const Samples& samples, std::size_t bodies, bool contacts, double spacing, int threads)
+    : samples_(samples), threads_(threads), want_contacts_(contacts), spacing_(spacing) {
+  wet_.resize(samples.size());
+  wet_stamp_.assign(samples.size(), 0);
+  final_force_.resize(samples.size());
+  wrenches_.resize(bodies);
+  acceleration_.resize(bodies);
+  spin_.resize(bodies);
+  patches_.resize(contacts ? samples.patch_body.size() : 0);
+}
+
+void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
+                     const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme) {
+  ++stamp_;
+  collect(items, extras, sums, constants, states);
+  find_accelerations(states, scheme);
+  apply(items, states);
+  if (want_contacts_) gather_contacts(states);
+}
+
+void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
+                       const PassConstants& constants, std::span<const exchange::BodyState> states) {
+  const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
+#pragma omp parallel for num_threads(threads_) schedule(static)
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    const SampleSums& sum = sums[s];
+    const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
+    Record& record = items.record[item];
+    record.p = 0;
+    if (constants.viscous) extras.viscous[item] = {record.vx, record.vy, record.vz, -1.f};
+    if (!(sum.w > 0)) continue;
+    wet_stamp_[sample] = stamp_;
+    Wet& wet = wet_[sample];
+    const float volume = samples_.volume[sample];
+    wet.item = item;
+    wet.body = samples_.body[sample];
+    const exchange::BodyState& state = states[wet.body];
+    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    wet.arm = (q * samples_.local[sample].cast<double>()).cast<float>();
+    wet.penetration = 0.5f * static_cast<float>(spacing_) - (sum.nearest - samples_.depth[sample]);
+    wet.reach = Eigen::Vector3f::Map(sum.wr) / sum.w;
+    wet.p0 = sum.wp / sum.w + gravity.dot(wet.reach);
+    wet.area = -volume * Eigen::Vector3f::Map(sum.g);
+    wet.force = -volume * Eigen::Vector3f::Map(sum.pg);
+    if (constants.viscous) {
+      const Eigen::Vector3f own(record.vx, record.vy, record.vz);
+      const Eigen::Vector3f seen = 2.f * own - Eigen::Vector3f::Map(sum.wv) / sum.w;
+      extras.viscous[item] = {seen[0], seen[1], seen[2], -1.f};
+      wet.force += volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
+    }
+  }
+}
+
+void Response::find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme) {
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const Vector6 free = Vector6::Map(states[b].free_acceleration);
+    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    spin_[b] = Vec3::Map(states[b].angular_velocity);
+    acceleration_[b] = free;
+    if (scheme == Scheme::kStaggered && !mobility.isZero(0)) {
+      acceleration_[b] = Vector6::Map(states[b].acceleration);
+      continue;
+    }
+    if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
+    Vector6 force = Vector6::Zero();
+    Matrix6 added = Matrix6::Zero();
+    for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
+      const std::uint32_t sample = samples_.order[k];
+      if (wet_stamp_[sample] != stamp_) continue;
+      const Wet& wet = wet_[sample];
+      const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
+      Vector6 per_pressure, per_acceleration;
+      per_pressure << area, arm.cross(area);
+      per_acceleration << reach, arm.cross(reach);  // a_b . reach with a_b = a + alpha x arm + centripetal
+      const Vec3 centripetal = spin_[b].cross(spin_[b].cross(arm));
+      const Vec3 known = wet.force.cast<double>();
+      force.head<3>() += known;
+      force.tail<3>() += arm.cross(known);
+      force += per_pressure * (wet.p0 - centripetal.dot(reach));
+      added.noalias() += per_pressure * per_acceleration.transpose();
+    }
+    acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
+  }
+}
+
+void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> states) {
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
+      const std::uint32_t sample = samples_.order[k];
+      if (wet_stamp_[sample] != stamp_) continue;
+      const Wet& wet = wet_[sample];
+      const Vec3 arm = wet.arm.cast<double>();
+      const Vec3 own = linear + angular.cross(arm) + spin_[b].cross(spin_[b].cross(arm));
+      const float p = wet.p0 - own.cast<float>().dot(wet.reach);
+      items.record[wet.item].p = p;
+      final_force_[sample] = wet.force + p * wet.area;
+      const Vec3 f = final_force_[sample].cast<double>();
+      force += f;
+      torque += arm.cross(f);
+    }
+    Vec3::Map(wrenches_[b].force) = force;
+    Vec3::Map(wrenches_[b].torque) = torque;
+  }
+}
+
+void Response::gather_contacts(std::span<const exchange::BodyState> states) {
+  for (auto& patch : patches_) patch = {};
+  for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {
+    if (wet_stamp_[sample] != stamp_) continue;
+    const Wet& wet = wet_[sample];
+    exchange::Contact& patch = patches_[samples_.patch[sample]];
+    const exchange::BodyState& state = states[wet.body];
+    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Vec3 normal = q * samples_.normal[sample].cast<double>();
+    const Vec3 force = final_force_[sample].cast<double>();
+    patch.body = wet.body;
+    patch.depth = patch.samples ? std::max<double>(patch.depth, wet.penetration) : wet.penetration;
+    ++patch.samples;
+    Vec3::Map(patch.position) += Vec3::Map(state.position) + wet.arm.cast<double>() + samples_.depth[sample] * normal;
+    Vec3::Map(patch.normal) += normal;
+    Vec3::Map(patch.force) += force;
+    // only the first layer, half a pitch inside, stands for surface
+    if (samples_.depth[sample] < 0.75 * spacing_) patch.area += samples_.volume[sample] / (2 * samples_.depth[sample]);
+  }
+  contacts_.clear();
+  for (auto& patch : patches_) {
+    if (!patch.samples) continue;
+    Vec3::Map(patch.position) /= patch.samples;
+    Vec3::Map(patch.normal).normalize();
+    contacts_.push_back(patch);
+  }
+}
+
+}  // namespace ballast::fluid

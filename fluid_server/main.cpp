@@ -1,0 +1,36 @@
+// fluid_server --attach NAME: the fluid process of a run whose segment exists.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "fluid_server/server.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"The fluid process of a Ballast run. Normally started by `ballast run`; by hand with `ballast run --by-hand`."};
+  std::string name;
+  app.add_option("--attach", name, "name of the run's shared-memory segment")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ballast::kFine : ballast::kBadInput;
+  }
+  // Idle threads of the OpenMP runtime spin for milliseconds by default and starve the rigid process of its core. The
+  // runtime reads this only when it is loaded, so a process started without it starts itself again.
+  if (!std::getenv("GOMP_SPINCOUNT")) {
+    setenv("GOMP_SPINCOUNT", "1000", 1);
+    execv("/proc/self/exe", argv);
+  }
+  std::signal(SIGINT, SIG_IGN);  // the coordinator hears it and ends the run
+  auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kFluid);
+  if (!segment) {
+    std::fprintf(stderr, "fluid_server: %s\n", segment.error().text().c_str());
+    return segment.error().exit_code;
+  }
+  const ballast::Status outcome = ballast::fluid::serve(*segment);
+  if (outcome) return ballast::kFine;
+  std::fprintf(stderr, "fluid_server: %s\n", outcome.error().text().c_str());
+  return outcome.error().exit_code;
+}

@@ -1,0 +1,238 @@
+// Counting sort of particles by cell, merged with the boundary samples near them. The order within a cell is that before,
+// so the result does not depend on the number of threads.
+#include "fluid_server/neighbours/neighbourhood.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ballast::fluid {
+
+namespace {
+
+std::uint32_t whole_cells(double length, double size) {
+  return static_cast<std::uint32_t>(std::clamp(std::floor(length / size), 1.0, 65535.0));
+}
+
+/// First particle of the block that thread t of n sorts.
+std::size_t block_begin(std::size_t size, int t, int n) { return size * static_cast<std::size_t>(t) / static_cast<std::size_t>(n); }
+
+}  // namespace
+
+Neighbourhood::Neighbourhood(const Coordinates& coordinates, double support, int dimension, int threads)
+    : coordinates_(coordinates), threads_(threads) {
+  const Vec3 extent = coordinates.domain.max - coordinates.domain.min;
+  // A hair more than the support, so that rounding to quanta cannot lose a pair.
+  const double size = support * (1 + 1e-6);
+  cells_.count = {whole_cells(extent[0], size / Cells::kFine), dimension == 2 ? 1 : whole_cells(extent[1], size),
+                  whole_cells(extent[2], size)};
+  cells_.periodic = coordinates.periodic;
+  const std::size_t n = cells_.cells();
+  start_.resize(n + 1);
+  start_fluid_.resize(n + 1);
+  fluid_count_.resize(n);
+  moving_count_.assign(n, 0);
+  static_start_.assign(n + 1, 0);
+  histogram_.resize(static_cast<std::size_t>(std::min(threads, 8)));
+  for (auto& h : histogram_) h.assign(n, 0);
+  row_fluid_.resize(cells_.rows());
+  row_all_.resize(cells_.rows());
+  occupied_.resize(static_cast<std::size_t>(cells_.rows()) * cells_.blocks_x());
+  active_.resize(occupied_.size());
+  lists.buffer.resize(static_cast<std::size_t>(threads));
+}
+
+void Neighbourhood::set_static_samples(std::span<const Record> samples) {
+  std::vector<std::uint32_t> cell(samples.size());
+  std::fill(static_start_.begin(), static_start_.end(), 0);
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    cell[s] = cells_.cell(samples[s].x, samples[s].y, samples[s].z);
+    ++static_start_[cell[s] + 1];
+  }
+  for (std::size_t c = 1; c < static_start_.size(); ++c) static_start_[c] += static_start_[c - 1];
+  std::vector<std::uint32_t> cursor(static_start_.begin(), static_start_.end() - 1);
+  static_record_.resize(samples.size());
+  static_source_.resize(samples.size());
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    const std::uint32_t at = cursor[cell[s]]++;
+    static_record_[at] = samples[s];
+    static_source_[at] = static_cast<std::uint32_t>(s);
+  }
+}
+
+void Neighbourhood::rebuild(const Particles& before, Particles& after, std::span<const Record> moving,
+                            std::uint32_t first_moving) {
+  count_particles(before);
+  total_rows();
+  activate_rows();
+  count_moving(moving);
+  place_rows();
+  scatter(before, after, moving, first_moving);
+}
+
+void Neighbourhood::count_particles(const Particles& before) {
+  const int blocks = static_cast<int>(histogram_.size());
+  cell_of_.resize(before.size());
+#pragma omp parallel for num_threads(threads_) schedule(static, 1)
+  for (int t = 0; t < blocks; ++t) {
+    auto& histogram = histogram_[static_cast<std::size_t>(t)];
+    std::memset(histogram.data(), 0, histogram.size() * sizeof(std::uint32_t));
+    const std::size_t end = block_begin(before.size(), t + 1, blocks);
+    for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
+      const Record& r = before.record[f];
+      const std::uint32_t c = cells_.cell(r.x, r.y, r.z);
+      cell_of_[f] = c;
+      ++histogram[c];
+    }
+  }
+}
+
+void Neighbourhood::total_rows() {
+  const std::uint32_t nx = cells_.count[0], blocks_x = cells_.blocks_x();
+#pragma omp parallel for num_threads(threads_) schedule(static)
+  for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
+    std::uint32_t total = 0;
+    std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(row) * blocks_x;
+    std::memset(occupied, 0, blocks_x);
+    for (std::uint32_t cx = 0; cx < nx; ++cx) {
+      const std::size_t c = static_cast<std::size_t>(row) * nx + cx;
+      std::uint32_t here = 0;
+      for (auto& histogram : histogram_) {  // each thread's offset within the cell
+        const std::uint32_t count = histogram[c];
+        histogram[c] = here;
+        here += count;
+      }
+      fluid_count_[c] = here;
+      total += here;
+      if (here) occupied[cx / Cells::kFine] = 1;
+    }
+    row_fluid_[row] = total;
+  }
+}
+
+void Neighbourhood::activate_rows() {
+  const auto [nx, ny, nz] = cells_.count;
+  const int blocks_x = static_cast<int>(cells_.blocks_x());
+  // A last block of fewer than kFine cells is shorter than the support: on a periodic axis look one block further.
+  const int reach = cells_.periodic[0] ? 2 : 1;
+#pragma omp parallel for num_threads(threads_) schedule(static)
+  for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
+    std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
+    std::memset(active, 0, cells_.blocks_x());
+    const int cy = static_cast<int>(row % ny), cz = static_cast<int>(row / ny);
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        int y2 = cy + dy, z2 = cz + dz;
+        const int iny = static_cast<int>(ny), inz = static_cast<int>(nz);
+        if (cells_.periodic[1]) y2 = (y2 + iny) % iny;
+        if (cells_.periodic[2]) z2 = (z2 + inz) % inz;
+        if (y2 < 0 || z2 < 0 || y2 >= iny || z2 >= inz) continue;
+        const std::uint32_t other = static_cast<std::uint32_t>(z2 * iny + y2);
+        if (!row_fluid_[other]) continue;
+        const std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(other) * cells_.blocks_x();
+        for (int b = 0; b < blocks_x; ++b) {
+          if (!occupied[b]) continue;
+          for (int d = -reach; d <= reach; ++d) {
+            int at = b + d;
+            if (cells_.periodic[0]) at = (at + blocks_x) % blocks_x;
+            if (at >= 0 && at < blocks_x) active[at] = 1;
+          }
+        }
+      }
+    }
+    std::uint32_t all = row_fluid_[row];
+    for (std::uint32_t b = 0; b < cells_.blocks_x(); ++b) {
+      if (!active[b]) continue;
+      const std::size_t first = static_cast<std::size_t>(row) * nx + b * Cells::kFine;
+      const std::size_t last = static_cast<std::size_t>(row) * nx + std::min(nx, (b + 1) * Cells::kFine);
+      all += static_start_[last] - static_start_[first];
+    }
+    row_all_[row] = all;
+  }
+}
+
+void Neighbourhood::count_moving(std::span<const Record> moving) {
+  // moving_count_ is all zero here: scatter() counted it down
+  moving_cell_.resize(moving.size());
+  for (std::size_t s = 0; s < moving.size(); ++s) {
+    const Record& r = moving[s];
+    moving_cell_[s] = ~0u;
+    if (r.volume == 0) continue;  // outside the domain
+    const std::uint32_t row = cells_.row(r.y, r.z), cx = Cells::along(r.x, cells_.count[0]);
+    if (!active_[static_cast<std::size_t>(row) * cells_.blocks_x() + cx / Cells::kFine]) continue;
+    moving_cell_[s] = row * cells_.count[0] + cx;
+    ++moving_count_[moving_cell_[s]];
+    ++row_all_[row];
+  }
+}
+
+void Neighbourhood::put(std::uint32_t item, const Record& r, std::uint32_t from) {
+  x[item] = r.x;
+  y[item] = r.y;
+  z[item] = r.z;
+  record[item] = r;
+  source[item] = from;
+}
+
+void Neighbourhood::place_rows() {
+  std::uint32_t all = 0, fluid = 0;
+  for (std::uint32_t row = 0; row < cells_.rows(); ++row) {  // counts become starts
+    const std::uint32_t a = row_all_[row], f = row_fluid_[row];
+    row_all_[row] = all;
+    row_fluid_[row] = fluid;
+    all += a;
+    fluid += f;
+  }
+  for (auto* v : {&x, &y, &z}) v->resize(all + kTail);
+  record.resize(all + kTail);
+  source.resize(all);
+  fluid_item.resize(fluid);
+  sample_item.resize(all - fluid);
+  start_.back() = all;
+  start_fluid_.back() = fluid;
+  const std::uint32_t nx = cells_.count[0];
+#pragma omp parallel for num_threads(threads_) schedule(static)
+  for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
+    std::uint32_t item = row_all_[row], particle = row_fluid_[row];
+    const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
+    for (std::uint32_t cx = 0; cx < nx; ++cx) {
+      const std::size_t c = static_cast<std::size_t>(row) * nx + cx;
+      start_[c] = item;
+      start_fluid_[c] = particle;
+      item += fluid_count_[c];
+      particle += fluid_count_[c];
+      if (active[cx / Cells::kFine])
+        for (std::uint32_t s = static_start_[c]; s < static_start_[c + 1]; ++s, ++item) {
+          put(item, static_record_[s], kSample | static_source_[s]);
+          sample_item[item - particle] = item;
+        }
+      item += moving_count_[c];
+    }
+  }
+}
+
+void Neighbourhood::scatter(const Particles& before, Particles& after, std::span<const Record> moving,
+                            std::uint32_t first_moving) {
+  const int blocks = static_cast<int>(histogram_.size());
+  after.resize(before.size());
+#pragma omp parallel for num_threads(threads_) schedule(static, 1)
+  for (int t = 0; t < blocks; ++t) {
+    auto& cursor = histogram_[static_cast<std::size_t>(t)];
+    const std::size_t end = block_begin(before.size(), t + 1, blocks);
+    for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
+      const std::uint32_t c = cell_of_[f], rank = cursor[c]++;
+      const std::uint32_t to = start_fluid_[c] + rank, item = start_[c] + rank;
+      Particles::for_each_field([&](auto field) { (after.*field)[to] = (before.*field)[f]; });
+      put(item, before.record[f], to);
+      fluid_item[to] = item;
+    }
+  }
+  for (std::size_t s = moving.size(); s-- > 0;) {  // backwards: the count left is the rank
+    const std::uint32_t c = moving_cell_[s];
+    if (c == ~0u) continue;
+    const std::uint32_t item = start_[c + 1] - 1 - (--moving_count_[c]);
+    put(item, moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
+    sample_item[item - start_fluid_[c + 1]] = item;
+  }
+}
+
+}  // namespace ballast::fluid

@@ -1,0 +1,95 @@
+// Particles and the boundary samples near them in one set ("items"), sorted by cell: x fastest, cells of the support radius
+// along y and z and a quarter of it along x. Neighbour lists over the items live here too; passes/ builds them.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid_server/particles/coordinates.h"
+#include "fluid_server/particles/particles.h"
+
+namespace ballast::fluid {
+
+/// Cells that tile the domain exactly.
+struct Cells {
+  std::array<std::uint32_t, 3> count{1, 1, 1};
+  std::array<bool, 3> periodic{};
+  static constexpr std::uint32_t kFine = 4;  ///< cells along x per support radius
+
+  static std::uint32_t along(std::uint32_t x, std::uint32_t n) {
+    return static_cast<std::uint32_t>((static_cast<std::uint64_t>(x) * n) >> 32);
+  }
+  std::uint32_t row(std::uint32_t y, std::uint32_t z) const { return along(z, count[2]) * count[1] + along(y, count[1]); }
+  std::uint32_t cell(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return row(y, z) * count[0] + along(x, count[0]);
+  }
+  std::uint32_t rows() const { return count[1] * count[2]; }
+  std::uint32_t cells() const { return rows() * count[0]; }
+  std::uint32_t blocks_x() const { return (count[0] + kFine - 1) / kFine; }
+};
+
+/// Neighbour lists of all items: 32-bit item indices, padded with the item itself to a multiple of kPad (a pair of an item
+/// with itself contributes nothing to any sum). Chunks of items are built by whichever thread is free.
+struct Lists {
+  static constexpr std::uint32_t kPad = 16, kChunk = 256;
+  std::vector<std::vector<std::uint32_t>> buffer;  ///< one per thread
+  std::vector<std::uint32_t> buffer_of_chunk;
+  std::vector<std::uint32_t> start;                ///< per item, in its chunk's buffer
+  std::vector<std::uint16_t> count;                ///< per item, without padding
+  const std::uint32_t* of(std::uint32_t item) const { return buffer[buffer_of_chunk[item / kChunk]].data() + start[item]; }
+};
+
+class Neighbourhood {
+ public:
+  static constexpr std::uint32_t kSample = 0x80000000u;  ///< bit in `source` that marks a boundary sample
+
+  /// `support` = H, m. Every periodic axis must be at least three supports long (checked by the scene).
+  Neighbourhood(const Coordinates& coordinates, double support, int dimension, int threads);
+
+  /// Samples that never move. Sample indices in `source` are those of this span.
+  void set_static_samples(std::span<const Record> samples);
+
+  /// Sorts `before` into `after` (same size, both resized by the caller's first use) and gathers the items: all particles
+  /// and every sample that can have one within the support. `moving` samples have index first_moving + k.
+  void rebuild(const Particles& before, Particles& after, std::span<const Record> moving, std::uint32_t first_moving);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(record.size() - kTail); }
+  const Cells& cells() const { return cells_; }
+  const Coordinates& coordinates() const { return coordinates_; }
+  std::span<const std::uint32_t> cell_start() const { return start_; }
+
+  // Items, in cell order; x, y, z and record have kTail entries more so that vectors may read past the end.
+  static constexpr std::uint32_t kTail = 64;
+  std::vector<std::uint32_t> x, y, z;
+  std::vector<Record> record;
+  std::vector<std::uint32_t> source;       ///< particle index, or kSample | sample index
+  std::vector<std::uint32_t> fluid_item;   ///< item of particle f
+  std::vector<std::uint32_t> sample_item;  ///< items that are samples
+  Lists lists;
+
+ private:
+  void count_particles(const Particles& before);
+  void total_rows();
+  void activate_rows();
+  void count_moving(std::span<const Record> moving);
+  void place_rows();
+  void scatter(const Particles& before, Particles& after, std::span<const Record> moving, std::uint32_t first_moving);
+  void put(std::uint32_t item, const Record& r, std::uint32_t from);
+
+  Coordinates coordinates_;
+  Cells cells_;
+  int threads_;
+  // per cell
+  std::vector<std::uint32_t> start_, start_fluid_, fluid_count_, moving_count_, static_start_;
+  std::vector<std::vector<std::uint32_t>> histogram_;  // per sorting thread and cell
+  // per row
+  std::vector<std::uint32_t> row_fluid_, row_all_;
+  // per block (row, kFine cells)
+  std::vector<std::uint8_t> occupied_, active_;
+  std::vector<std::uint32_t> cell_of_;                 // of particles before
+  std::vector<std::uint32_t> moving_cell_;             // of moving samples; ~0u: inactive
+  std::vector<Record> static_record_;
+  std::vector<std::uint32_t> static_source_;
+};
+
+}  // namespace ballast::fluid

@@ -1,0 +1,244 @@
+// Filling fluids on a lattice.
+#include "fluid_server/particles/fill.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+namespace ballast::fluid {
+
+namespace {
+
+/// Where a fluid may be before bodies are carved out.
+struct Region {
+  Box3 bounds;                                   // lattice is laid from bounds.min with whole cells to bounds.max
+  std::function<double(const Vec3&)> distance;   // signed, negative inside, m
+  double top;
+};
+
+double box_distance(const Box3& box, const Vec3& p, int dimension) {
+  Vec3 q = (p - 0.5 * (box.min + box.max)).cwiseAbs() - 0.5 * (box.max - box.min);
+  if (dimension == 2) q[1] = -1e300;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+Error fill_error(const Fluid& fluid, std::string what, std::string cure) {
+  return {std::move(what), std::move(cure), fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
+}
+
+Result<Region> level_region(const Scene& scene, const std::vector<Body>& bodies, const Fluid& fluid) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (scene.models[b].name != fluid.fill.container) continue;
+    const Solid* solid = &bodies[b].solid;
+    if (!solid->is_container()) break;
+    const Pose pose = bodies[b].pose;
+    const double level = fluid.fill.level;
+    // Room of the container: bounds of the solid less its walls is not needed exactly, sites outside are refused.
+    Box3 local = solid->bounds();
+    if (scene.models[b].shape.kind == ShapeKind::kOpenBox) local = {Vec3::Zero(), scene.models[b].shape.size};
+    else if (scene.models[b].shape.hollow) {
+      const Shape& shape = scene.models[b].shape;
+      Vec3 half = Vec3::Constant(shape.radius);
+      if (shape.kind == ShapeKind::kCylinder) half[scene.world.dimension == 2 ? 1 : 2] = shape.length / 2;
+      local = {-half, half};
+    }
+    Box3 bounds{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 p = pose.position + pose.rotation * Vec3((corner & 1 ? local.max : local.min)[0],
+                                                          (corner & 2 ? local.max : local.min)[1],
+                                                          (corner & 4 ? local.max : local.min)[2]);
+      bounds.min = bounds.min.cwiseMin(p);
+      bounds.max = bounds.max.cwiseMax(p);
+    }
+    bounds.max[2] = std::min(bounds.max[2], level);
+    auto distance = [solid, pose, level](const Vec3& p) {
+      return std::max(solid->room_distance(pose.rotation.conjugate() * (p - pose.position)), p[2] - level);
+    };
+    return Region{bounds, distance, bounds.max[2]};
+  }
+  return fill_error(fluid, fmt::format("fluid '{}' fills '{}', which is not a container", fluid.name, fluid.fill.container),
+                    "name a model whose shape is open_box, hollow_sphere or hollow_cylinder");
+}
+
+Result<Region> region_of(const Scene& scene, const std::vector<Body>& bodies, const Fluid& fluid,
+                         std::optional<Solid>& mesh) {
+  const int dimension = scene.world.dimension;
+  if (fluid.fill.kind == FillKind::kLevel) return level_region(scene, bodies, fluid);
+  if (fluid.fill.kind == FillKind::kBox) {
+    const Box3 box = fluid.fill.box;
+    return Region{box, [box, dimension](const Vec3& p) { return box_distance(box, p, dimension); }, box.max[2]};
+  }
+  Shape shape;
+  shape.kind = ShapeKind::kMesh;
+  shape.mesh = fluid.fill.mesh;
+  shape.scale = fluid.fill.scale;
+  auto solid = Solid::make(shape, dimension, scene.world.spacing, false);
+  if (!solid) return fill_error(fluid, solid.error().what, solid.error().cure);
+  mesh.emplace(*std::move(solid));
+  const Pose pose = fluid.fill.pose;
+  const Solid* form = &*mesh;
+  const Box3 local = form->bounds();
+  const Vec3 centre = pose.position + pose.rotation * (0.5 * (local.min + local.max));
+  const double reach = 0.5 * (local.max - local.min).norm();
+  Region region{{centre.array() - reach, centre.array() + reach},
+                [form, pose](const Vec3& p) { return form->distance(pose.rotation.conjugate() * (p - pose.position)); },
+                centre[2] + reach};
+  return region;
+}
+
+/// One lattice site that may hold a particle.
+struct Site {
+  Vec3 position;
+  double clearance;   // from the region's edge and from all solids, m; negative outside
+  std::size_t index;
+};
+
+/// Signed clearance from solids: positive outside all of them.
+class Obstacles {
+ public:
+  Obstacles(const Scene& scene, const std::vector<Body>& bodies, double reach) {
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      Box3 bounds = bodies[b].solid.bounds();
+      const double radius = std::max(bounds.min.norm(), bounds.max.norm());
+      const bool everywhere = !std::isfinite(radius) || bodies[b].solid.is_container();
+      one_.push_back({&bodies[b], everywhere ? 1e300 : radius + reach});
+    }
+    (void)scene;
+  }
+  double clearance(const Vec3& p) const {
+    double nearest = 1e300;
+    for (const One& one : one_) {
+      const Vec3 local = p - one.body->pose.position;
+      if (one.radius < 1e299 && local.squaredNorm() > one.radius * one.radius) continue;
+      nearest = std::min(nearest, one.body->solid.distance(one.body->pose.rotation.conjugate() * local));
+    }
+    return nearest;
+  }
+
+ private:
+  struct One {
+    const Body* body;
+    double radius;
+  };
+  std::vector<One> one_;
+};
+
+/// Share of a lattice cell that is fluid, from distances at the centres of 4 sub-cells per axis; exact for faces along axes.
+double cell_share(const std::function<double(const Vec3&)>& outside, const Vec3& centre, const Vec3& pitch, int dimension) {
+  constexpr int n = 4;
+  double share = 0;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b < (dimension == 2 ? 1 : n); ++b)
+      for (int c = 0; c < n; ++c) {
+        Vec3 offset((a + 0.5) / n - 0.5, dimension == 2 ? 0.0 : (b + 0.5) / n - 0.5, (c + 0.5) / n - 0.5);
+        const double width = (dimension == 2 ? std::sqrt(pitch[0] * pitch[2]) : std::cbrt(pitch.prod())) / n;
+        share += std::clamp(0.5 - outside(centre + offset.cwiseProduct(pitch)) / width, 0.0, 1.0);
+      }
+  return share / (dimension == 2 ? n * n : n * n * n);
+}
+
+struct FilledOne {
+  std::vector<Site> sites;
+  std::vector<Vec3> ghosts;
+  double volume = 0;          // of all particles, m^3
+  double asked = 0;
+};
+
+FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene& scene, double support) {
+  const int dimension = scene.world.dimension;
+  const double d = scene.world.spacing;
+  std::array<int, 3> n{1, 1, 1};
+  Vec3 pitch = Vec3::Ones(), origin = region.bounds.min;
+  for (int k = 0; k < 3; ++k) {
+    if (dimension == 2 && k == 1) continue;
+    const double length = region.bounds.max[k] - region.bounds.min[k];
+    n[static_cast<std::size_t>(k)] = std::max(1, static_cast<int>(std::lround(length / d)));
+    pitch[k] = length / n[static_cast<std::size_t>(k)];
+  }
+  if (dimension == 2) origin[1] = -0.5;
+  const double cell = dimension == 2 ? pitch[0] * pitch[2] : pitch.prod();
+  const double near = 0.9 * pitch.norm();
+  auto outside = [&](const Vec3& p) { return std::max(region.distance(p), -obstacles.clearance(p)); };
+  FilledOne out;
+  const int margin = static_cast<int>(std::ceil(support / d));
+  const int my = dimension == 2 ? 0 : margin;
+  std::size_t index = 0;
+  for (int iz = -margin; iz < n[2] + margin; ++iz)
+    for (int iy = -my; iy < n[1] + my; ++iy)
+      for (int ix = -margin; ix < n[0] + margin; ++ix, ++index) {
+        Vec3 p = origin + Vec3(ix + 0.5, iy + 0.5, iz + 0.5).cwiseProduct(pitch);
+        if (dimension == 2) p[1] = 0;
+        const double phi = region.distance(p), free = obstacles.clearance(p), s = std::max(phi, -free);
+        if (phi < -near) out.asked += cell;
+        else if (phi < near) out.asked += cell * cell_share(region.distance, p, pitch, dimension);
+        if (s < -near) out.volume += cell;
+        else if (s < near) out.volume += cell * cell_share(outside, p, pitch, dimension);
+        if (s < 0.5 * d) out.sites.push_back({p, -s, index});
+        if (phi > 0.25 * d && phi < support && free > 0.25 * d) out.ghosts.push_back(p);
+      }
+  const std::size_t wanted = static_cast<std::size_t>(std::lround(out.volume / cell));
+  // the clearest sites; equal ones in lattice order, so that the choice is the same on every machine
+  std::stable_sort(out.sites.begin(), out.sites.end(), [](const Site& a, const Site& b) {
+    return std::lround(a.clearance * 1e9) != std::lround(b.clearance * 1e9) ? a.clearance > b.clearance : a.index < b.index;
+  });
+  if (out.sites.size() > wanted) out.sites.resize(wanted);
+  std::sort(out.sites.begin(), out.sites.end(), [](const Site& a, const Site& b) { return a.index < b.index; });
+  return out;
+}
+
+Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, double top, double volume, const Scene& scene,
+                   const Coordinates& coordinates) {
+  const Fixed3 at = coordinates.to_fixed(site.position);
+  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site.position - centre);
+  const double depth = std::max(top - site.position[2], 0.0);
+  const double p = -fluid.density * scene.world.gravity[2] * depth;
+  return {at[0], at[1], at[2], static_cast<float>(p), static_cast<float>(v[0]), static_cast<float>(v[1]),
+          static_cast<float>(v[2]), static_cast<float>(volume)};
+}
+
+}  // namespace
+
+Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates,
+                           double support) {
+  Filled filled;
+  const Obstacles obstacles(scene, bodies, 2 * support);
+  for (const Fluid& fluid : scene.fluids) {
+    std::optional<Solid> mesh;
+    auto region = region_of(scene, bodies, fluid, mesh);
+    if (!region) return region.error();
+    const FilledOne one = fill_one(*region, obstacles, scene, support);
+    if (one.sites.empty())
+      return fill_error(fluid, fmt::format("fluid '{}' has no particle: its fill has a volume of {:.3g} m^3 after carving",
+                                           fluid.name, one.volume),
+                        "make the fill larger, the spacing smaller, or move the bodies out of it");
+    const double volume = one.volume / static_cast<double>(one.sites.size());
+    FluidProperties properties;
+    properties.density = static_cast<float>(fluid.density);
+    properties.viscosity = static_cast<float>(fluid.viscosity);
+    properties.volume = static_cast<float>(volume);
+    properties.first_id = static_cast<std::uint32_t>(filled.particles.size());
+    properties.count = static_cast<std::uint32_t>(one.sites.size());
+    const Vec3 centre = 0.5 * (region->bounds.min + region->bounds.max);
+    for (const Site& site : one.sites) {
+      if (!coordinates.holds(site.position))
+        return fill_error(fluid, fmt::format("fluid '{}' reaches outside the domain at ({:.3g}, {:.3g}, {:.3g}) m", fluid.name,
+                                             site.position[0], site.position[1], site.position[2]),
+                          "enlarge world.domain or move the fill");
+      filled.particles.id.push_back(static_cast<std::uint32_t>(filled.particles.id.size()));
+      filled.particles.record.push_back(make_record(site, fluid, centre, region->top, volume, scene, coordinates));
+    }
+    for (const Vec3& p : one.ghosts)
+      if (coordinates.holds(p)) {
+        const Fixed3 at = coordinates.to_fixed(p);
+        filled.ghosts.push_back({at[0], at[1], at[2], 0, 0, 0, 0, static_cast<float>(-volume)});
+      }
+    filled.fluids.push_back(properties);
+    filled.reports.push_back({fluid.name, one.asked, one.volume, one.volume * fluid.density, region->top, one.sites.size()});
+  }
+  return filled;
+}
+
+}  // namespace ballast::fluid

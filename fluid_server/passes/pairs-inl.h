@@ -1,0 +1,214 @@
+// The sums over pairs, one item at a time: continuity and diffusion, sample sums, acceleration, summed density.
+// Equations: passes.h.
+#if defined(BALLAST_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef BALLAST_PAIRS_INL_H_
+#undef BALLAST_PAIRS_INL_H_
+#else
+#define BALLAST_PAIRS_INL_H_
+#endif
+#include "fluid_server/passes/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ballast::fluid {
+namespace HWY_NAMESPACE {
+
+template <int Dim, KernelKind K>
+class Pairs {
+ public:
+  Pairs(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants)
+      : items_(items),
+        extras_(extras),
+        constants_(constants),
+        kernel_(constants.kernel),
+        distances_(items.coordinates()),
+        base_(reinterpret_cast<const float*>(items.record.data())) {}
+
+  /// Pressure after dt of continuity and density diffusion, Pa.
+  HWY_INLINE float advanced_pressure(std::uint32_t item) const {
+    const F d;
+    const Record& own = items_.record[item];
+    const float rho = density(item), c = constants_.sound_speed;
+    const VF pi = hn::Set(d, own.p), vx = hn::Set(d, own.vx), vy = hn::Set(d, own.vy), vz = hn::Set(d, own.vz);
+    const VF hx = hn::Set(d, rho * constants_.gravity[0]), hy = hn::Set(d, rho * constants_.gravity[1]);
+    const VF hz = hn::Set(d, rho * constants_.gravity[2]);
+    VF divergence = hn::Zero(d), diffusion = hn::Zero(d);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
+      VF approach = hn::MulAdd(hn::Sub(vx, motion.a), r.x, hn::Mul(hn::Sub(vz, motion.c), r.z));
+      VF excess = hn::MulAdd(hx, r.x, hn::MulAdd(hz, r.z, hn::Sub(r.p, pi)));
+      if constexpr (Dim == 3) {
+        approach = hn::MulAdd(hn::Sub(vy, motion.b), r.y, approach);
+        excess = hn::MulAdd(hy, r.y, excess);
+      }
+      divergence = hn::MulAdd(vg, approach, divergence);
+      const VF fluid_g = hn::Mul(hn::Max(motion.d, hn::Zero(d)), r.slope);  // samples carry no density of their own
+      diffusion = hn::MulAdd(fluid_g, excess, diffusion);
+    });
+    const float h = static_cast<float>(constants_.kernel.h());
+    const float rate = rho * c * c * total(divergence) - 2 * constants_.diffusion * h * c * total(diffusion);
+    return own.p + constants_.dt * rate;
+  }
+
+  /// Sums of a boundary sample over its fluid neighbours.
+  HWY_INLINE SampleSums sample_sums(std::uint32_t item) const {
+    SampleSums s{};
+    if (items_.lists.count[item] == 0) return s;
+    const F d;
+    const Record& own = items_.record[item];
+    const VF zero = hn::Zero(d);
+    VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
+       pz = zero, wvx = zero, wvy = zero, wvz = zero, a = zero, ax = zero, ay = zero, az = zero;
+    VF nearest2 = hn::Set(d, kernel_.support2);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
+      const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
+      const VF vw = hn::Mul(volume, kernel_.value(r.r2)), vg = hn::Mul(volume, r.slope);
+      const VF rho = densities(index);
+      nearest2 = hn::Min(nearest2, hn::IfThenElse(hn::Gt(volume, zero), r.r2, nearest2));
+      w = hn::Add(w, vw);
+      wp = hn::MulAdd(vw, r.p, wp);
+      const VF vwr = hn::Mul(vw, rho);
+      wrx = hn::MulAdd(vwr, r.x, wrx);
+      wrz = hn::MulAdd(vwr, r.z, wrz);
+      gx = hn::MulAdd(vg, r.x, gx);
+      gz = hn::MulAdd(vg, r.z, gz);
+      const VF pvg = hn::Mul(hn::Add(r.p, dissipation(own, r, motion, rho)), vg);
+      px = hn::MulAdd(pvg, r.x, px);
+      pz = hn::MulAdd(pvg, r.z, pz);
+      if constexpr (Dim == 3) {
+        wry = hn::MulAdd(vwr, r.y, wry);
+        gy = hn::MulAdd(vg, r.y, gy);
+        py = hn::MulAdd(pvg, r.y, py);
+      }
+      if (constants_.viscous) {
+        const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
+        const VF mu_g = hn::Mul(hn::Add(viscous.d, viscous.d), vg);
+        a = hn::Add(a, mu_g);
+        ax = hn::MulAdd(mu_g, motion.a, ax);
+        ay = hn::MulAdd(mu_g, motion.b, ay);
+        az = hn::MulAdd(mu_g, motion.c, az);
+        wvx = hn::MulAdd(vw, motion.a, wvx);
+        wvy = hn::MulAdd(vw, motion.b, wvy);
+        wvz = hn::MulAdd(vw, motion.c, wvz);
+      }
+    });
+    s = {total(w), total(wp), {total(wrx), total(wry), total(wrz)}, {total(gx), total(gy), total(gz)},
+         {total(px), total(py), total(pz)}, {total(wvx), total(wvy), total(wvz)}, total(a), {total(ax), total(ay), total(az)},
+         std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2)))};
+    return s;
+  }
+
+  /// Acceleration of a particle, m/s^2.
+  HWY_INLINE void acceleration(std::uint32_t item, float* out) const {
+    const F d;
+    const Record& own = items_.record[item];
+    const float rho = density(item);
+    const VF pi = hn::Set(d, own.p), rho_i = hn::Set(d, rho);
+    VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
+    VF vx = hn::Zero(d), vy = hn::Zero(d), vz = hn::Zero(d);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
+      const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
+      const VF pair_rho = constants_.several_densities ? pair_density(rho_i, motion, index) : rho_i;
+      const VF s = hn::Mul(vg, hn::Add(hn::Add(pi, r.p), dissipation(own, r, motion, pair_rho)));
+      ax = hn::NegMulAdd(s, r.x, ax);
+      az = hn::NegMulAdd(s, r.z, az);
+      if constexpr (Dim == 3) ay = hn::NegMulAdd(s, r.y, ay);
+      if (constants_.viscous) {
+        const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
+        const VF own_mu = hn::Set(d, extras_.viscous[item].mu);
+        const VF other_mu = hn::IfThenElse(hn::Lt(viscous.d, hn::Zero(d)), own_mu, viscous.d);
+        const VF mu = hn::Mul(hn::Add(own_mu, other_mu), vg);
+        vx = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vx), viscous.a), vx);
+        vy = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vy), viscous.b), vy);
+        vz = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vz), viscous.c), vz);
+      }
+    });
+    out[0] = (total(ax) + total(vx)) / rho + constants_.gravity[0];
+    out[1] = Dim == 3 ? (total(ay) + total(vy)) / rho + constants_.gravity[1] : 0.f;
+    out[2] = (total(az) + total(vz)) / rho + constants_.gravity[2];
+  }
+
+  /// sum V W, and its gradient into out[3].
+  HWY_INLINE float summed_density(std::uint32_t item, float* out) const {
+    const F d;
+    const Record& own = items_.record[item];
+    VF w = hn::Zero(d), gx = hn::Zero(d), gy = hn::Zero(d), gz = hn::Zero(d);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope);
+      w = hn::MulAdd(volume, kernel_.value(r.r2), w);
+      gx = hn::MulAdd(vg, r.x, gx);
+      gy = hn::MulAdd(vg, r.y, gy);
+      gz = hn::MulAdd(vg, r.z, gz);
+    });
+    out[0] = total(gx);
+    out[1] = Dim == 3 ? total(gy) : 0.f;
+    out[2] = total(gz);
+    const std::uint32_t count = items_.lists.count[item], padding = (count + kLanes - 1) / kLanes * kLanes - count;
+    const float self = std::abs(own.volume) * static_cast<float>(constants_.kernel.value(0));
+    return total(w) + self * (1.f - static_cast<float>(padding));
+  }
+
+ private:
+  struct Pair {
+    VF x, y, z, r2, slope, p;  // r = x_i - x_j and its square, g, neighbour's pressure
+  };
+
+  template <class Body>
+  HWY_INLINE void for_each_neighbour(std::uint32_t item, Body&& body) const {
+    const Record& own = items_.record[item];
+    const std::uint32_t* list = items_.lists.of(item);
+    const std::uint32_t count = items_.lists.count[item];
+    for (std::uint32_t k = 0; k < count; k += kLanes) {
+      const Quad place = load_transposed(F(), base_, list + k, 8), motion = load_transposed(F(), base_ + 4, list + k, 8);
+      Pair r;
+      r.x = distances_.metres(own.x, place.a, distances_.qx);
+      r.z = distances_.metres(own.z, place.c, distances_.qz);
+      r.r2 = hn::MulAdd(r.z, r.z, hn::Mul(r.x, r.x));
+      if constexpr (Dim == 3) {
+        r.y = distances_.metres(own.y, place.b, distances_.qy);
+        r.r2 = hn::MulAdd(r.y, r.y, r.r2);
+      } else {
+        r.y = hn::Zero(F());
+      }
+      r.p = place.d;
+      r.slope = kernel_.slope(r.r2);
+      body(r, motion, list + k);
+    }
+  }
+
+  /// q = rho u^2, u the speed of approach: zero for pairs that part.
+  HWY_INLINE VF dissipation(const Record& own, const Pair& r, const Quad& motion, VF rho) const {
+    const F d;
+    VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vx), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.vz), motion.c), r.z));
+    if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vy), motion.b), r.y, dot);
+    const VF length = hn::Sqrt(hn::Max(r.r2, hn::Set(d, 1e-30f)));
+    const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
+    return hn::Mul(hn::Mul(rho, u), u);
+  }
+
+  float density(std::uint32_t item) const {
+    return constants_.several_densities ? extras_.density[item] : extras_.density.empty() ? 1.f : extras_.density[0];
+  }
+  HWY_INLINE VF densities(const std::uint32_t* index) const {
+    const F d;
+    if (!constants_.several_densities) return hn::Set(d, extras_.density[0]);
+    return hn::GatherIndex(d, extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
+  }
+  /// Mean density of a pair; of a pair with a sample the particle's own, as the sample sees it.
+  HWY_INLINE VF pair_density(VF own, const Quad& motion, const std::uint32_t* index) const {
+    const F d;
+    const VF mean = hn::Mul(hn::Set(d, 0.5f), hn::Add(own, densities(index)));
+    return hn::IfThenElse(hn::Lt(motion.d, hn::Zero(d)), own, mean);
+  }
+
+  const Neighbourhood& items_;
+  const ItemExtras& extras_;
+  const PassConstants& constants_;
+  VectorKernel<K> kernel_;
+  Distances distances_;
+  const float* base_;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ballast::fluid
+HWY_AFTER_NAMESPACE();
+#endif

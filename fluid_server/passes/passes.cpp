@@ -1,0 +1,148 @@
+// Vector code of the passes, compiled once per instruction set and chosen at run time.
+#include "fluid_server/passes/passes.h"
+
+#include <algorithm>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fluid_server/passes/passes.cpp"
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+#include "fluid_server/passes/lists-inl.h"
+#include "fluid_server/passes/pairs-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace ballast::fluid {
+namespace HWY_NAMESPACE {
+
+template <class Task>
+void for_each_chunk(std::uint32_t size, std::uint32_t chunk, int threads, Task&& task) {
+  const std::uint32_t chunks = (size + chunk - 1) / chunk;
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
+  for (std::uint32_t c = 0; c < chunks; ++c) task(c * chunk, std::min(size, (c + 1) * chunk));
+}
+
+template <int Dim, KernelKind K>
+void BuildAll(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
+  const ListBuilder<Dim> builder(items, constants.kernel);
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  Lists& lists = items.lists;
+  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
+  lists.start.resize(size);
+  lists.count.resize(size);
+  lists.buffer_of_chunk.resize(chunks);
+#pragma omp parallel num_threads(constants.threads)
+  {
+    const std::uint32_t self = thread_index();
+    std::size_t used = 0;
+#pragma omp for schedule(dynamic, 1)
+    for (std::uint32_t c = 0; c < chunks; ++c) {
+      lists.buffer_of_chunk[c] = self;
+      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
+      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
+        const std::uint32_t next = builder.build_group(group, end, lists, self, used);
+        if (pressure)
+          for (std::uint32_t i = group; i < next; ++i)
+            if (!(items.source[i] & Neighbourhood::kSample)) pressure[items.source[i]] = pairs.advanced_pressure(i);
+        group = next;
+      }
+    }
+  }
+}
+
+template <int Dim, KernelKind K>
+void GatherAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t s = begin; s < end; ++s) sums[s] = pairs.sample_sums(items.sample_item[s]);
+                 });
+}
+
+template <int Dim, KernelKind K>
+void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f) pairs.acceleration(items.fluid_item[f], a + 3 * f);
+                 });
+}
+
+template <int Dim, KernelKind K>
+void SumAll(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
+  const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     delta[f] = pairs.summed_density(items.fluid_item[f], gradient + 3 * f);
+                 });
+}
+
+/// Calls what<Dim, K> for the kernel in use.
+#define BALLAST_BY_KERNEL(what, kernel, ...)                                                          \
+  do {                                                                                                \
+    if ((kernel).dimension == 2)                                                                      \
+      (kernel).kind == KernelKind::kCubic ? what<2, KernelKind::kCubic>(__VA_ARGS__)                  \
+                                          : what<2, KernelKind::kWendland>(__VA_ARGS__);              \
+    else                                                                                              \
+      (kernel).kind == KernelKind::kCubic ? what<3, KernelKind::kCubic>(__VA_ARGS__)                  \
+                                          : what<3, KernelKind::kWendland>(__VA_ARGS__);              \
+  } while (false)
+
+void Build(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
+  BALLAST_BY_KERNEL(BuildAll, constants.kernel, items, extras, constants, pressure);
+}
+void Gather(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
+  BALLAST_BY_KERNEL(GatherAll, constants.kernel, items, extras, constants, sums);
+}
+void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
+  BALLAST_BY_KERNEL(AccelerateAll, constants.kernel, items, extras, constants, a);
+}
+void Sum(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
+  BALLAST_BY_KERNEL(SumAll, constants.kernel, items, constants, delta, gradient);
+}
+const char* Name() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ballast::fluid
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ballast::fluid {
+
+HWY_EXPORT(Build);
+HWY_EXPORT(Gather);
+HWY_EXPORT(Accelerate);
+HWY_EXPORT(Sum);
+HWY_EXPORT(Name);
+
+void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                                      std::vector<float>& new_pressure) {
+  new_pressure.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Build)(items, extras, constants, new_pressure.data());
+}
+void build_lists(Neighbourhood& items, const PassConstants& constants) {
+  HWY_DYNAMIC_DISPATCH(Build)(items, ItemExtras{}, constants, nullptr);
+}
+void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    std::vector<SampleSums>& sums) {
+  sums.resize(items.sample_item.size());
+  HWY_DYNAMIC_DISPATCH(Gather)(items, extras, constants, sums.data());
+}
+void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                std::vector<float>& acceleration) {
+  acceleration.resize(3 * items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Accelerate)(items, extras, constants, acceleration.data());
+}
+void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
+                 std::vector<float>& gradient) {
+  delta.resize(items.fluid_item.size());
+  gradient.resize(3 * items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Sum)(items, constants, delta.data(), gradient.data());
+}
+const char* simd_name() { return HWY_DYNAMIC_DISPATCH(Name)(); }
+
+}  // namespace ballast::fluid
+#endif

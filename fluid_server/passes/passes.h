@@ -1,0 +1,76 @@
+// The passes over pairs: everything that costs time. Vector code for every instruction set in one binary (Highway).
+// Symbols: r = x_i - x_j, g = W'(r)/r, so grad_i W_ij = g r; V rest volume, p pressure, v velocity, rho rest density.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "fluid_server/kernel.h"
+#include "fluid_server/neighbours/neighbourhood.h"
+
+namespace ballast::fluid {
+
+/// What all passes of a step share.
+struct PassConstants {
+  Kernel kernel;
+  float sound_speed = 0;                ///< c, m/s
+  float diffusion = 0;                  ///< xi of the delta-SPH term (Molteni and Colagrossi 2009), no unit
+  float gravity[3] = {0, 0, 0};         ///< m/s^2
+  float dt = 0;                         ///< s
+  bool viscous = false;                 ///< some fluid has viscosity: `wall` is filled
+  bool several_densities = false;       ///< `density` is filled per item; else density[0] holds for all
+  int threads = 1;
+};
+
+/// Per item, only where needed: velocity that the viscous term sees, and viscosity (Pa s; negative: a sample, which takes
+/// on its neighbour's).
+struct ViscousRecord {
+  float wx, wy, wz, mu;
+};
+
+/// Fields beside the records that some scenes need.
+struct ItemExtras {
+  std::vector<ViscousRecord> viscous;   ///< per item if PassConstants::viscous
+  std::vector<float> density;           ///< rest density per item (samples: any), or one value
+};
+
+/// Sums of one wet boundary sample over its fluid neighbours k.
+struct SampleSums {
+  float w;        ///< sum V_k W
+  float wp;       ///< sum V_k W p_k
+  float wr[3];    ///< sum V_k W rho_k (x_b - x_k)
+  float g[3];     ///< sum V_k g (x_b - x_k)
+  float pg[3];    ///< sum V_k (p_k + q_k) g (x_b - x_k), q the dissipation of approaching pairs
+  float wv[3];    ///< sum V_k W v_k            (viscous only)
+  float a;        ///< sum V_k 2 mu g           (viscous only)
+  float av[3];    ///< sum V_k 2 mu g v_k       (viscous only)
+  float nearest;  ///< distance to the nearest neighbour, m; 0 if dry
+};
+
+/// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of every
+/// particle by continuity and density diffusion over dt: `new_pressure`, per particle.
+///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
+void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                                      std::vector<float>& new_pressure);
+
+/// Only the lists.
+void build_lists(Neighbourhood& items, const PassConstants& constants);
+
+/// Sums of every sample item, in the order of items.sample_item.
+void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    std::vector<SampleSums>& sums);
+
+/// Acceleration of every particle, m/s^2, x y z in turn:
+///   a_i = G - 1/rho_i sum V_j (p_i + p_j + q_ij) g r + 1/rho_i sum V_j (mu_i + mu_j) g (v_i - w_j)
+/// q_ij = rho u^2 for pairs that approach with speed u: the ram pressure of the encounter (von Neumann and Richtmyer 1950),
+/// second order in the spacing where the flow is smooth.
+void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                std::vector<float>& acceleration);
+
+/// Summed density sum V_j W (self included) and its gradient sum V_j g r of every particle, x y z in turn; samples count.
+void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
+                 std::vector<float>& gradient);
+
+/// Name of the instruction set in use, for the record.
+const char* simd_name();
+
+}  // namespace ballast::fluid

@@ -1,0 +1,147 @@
+// Probes: sums over the particles near a point or a column.
+#include "fluid_server/probes/probes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ballast::fluid {
+
+namespace {
+
+struct Near {
+  Vec3 offset;  // particle - point, m
+  double volume, p, density;
+};
+
+/// Particles within `reach` of the point; along z only if `column` is false.
+std::vector<Near> near(const WcsphFluid& fluid, const Vec3& point, double reach, bool column) {
+  std::vector<Near> found;
+  const Coordinates& c = fluid.coordinates();
+  const Fixed3 at = c.to_fixed(point.cwiseMax(c.domain.min).cwiseMin(c.domain.max - 2 * c.quantum));
+  const Particles& particles = fluid.particles();
+  for (std::size_t f = 0; f < particles.size(); ++f) {
+    const Record& r = particles.record[f];
+    Vec3 offset = c.difference({r.x, r.y, r.z}, at);
+    if (fluid.constants().kernel.dimension == 2) offset[1] = 0;
+    const double flat = column ? std::hypot(offset[0], offset[1]) : offset.norm();
+    if (flat < reach) found.push_back({offset, r.volume, r.p, fluid.fluid_of(particles.id[f]).density});
+  }
+  return found;
+}
+
+double pressure_error(const WcsphFluid& fluid, std::size_t which) {
+  const FluidProperties& properties = fluid.filled().fluids[which];
+  const double top = fluid.filled().reports[which].top, g = -fluid.constants().gravity[2];
+  const Particles& particles = fluid.particles();
+  double sum = 0, lowest = top;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < particles.size(); ++f) {
+    if (&fluid.fluid_of(particles.id[f]) != &properties) continue;
+    const Record& r = particles.record[f];
+    const double z = fluid.coordinates().to_metres(r.x, r.y, r.z)[2];
+    const double error = r.p - properties.density * g * (top - z);
+    sum += error * error;
+    lowest = std::min(lowest, z);
+    ++count;
+  }
+  const double bottom = properties.density * g * (top - lowest + 0.5 * fluid.spacing());
+  return count && bottom > 0 ? std::sqrt(sum / static_cast<double>(count)) / bottom : 0;
+}
+
+std::size_t index_of(const Scene& scene, const std::string& model) {
+  for (std::size_t b = 0; b < scene.models.size(); ++b)
+    if (scene.models[b].name == model) return b;
+  return 0;  // the scene reader has checked the name
+}
+
+}  // namespace
+
+double surface_level(const WcsphFluid& fluid, double x, double y) {
+  const Kernel& kernel = fluid.constants().kernel;
+  const Coordinates& c = fluid.coordinates();
+  auto column = near(fluid, {x, y, c.domain.min[2]}, kernel.support, true);
+  if (column.empty()) return c.domain.min[2];
+  double top = 0;
+  for (const Near& n : column) top = std::max(top, n.offset[2]);
+  const auto filled = [&](double z) {
+    double sum = 0;
+    for (const Near& n : column) {
+      const double r = std::hypot(n.offset[0], n.offset[1], n.offset[2] - z);
+      if (r < kernel.support) sum += n.volume * kernel.value(r);
+    }
+    return sum;
+  };
+  const double step = 0.1 * fluid.spacing();
+  double high = top + kernel.support, low = high - step;
+  while (low > 0 && filled(low) < 0.5) high = low, low -= step;
+  for (int k = 0; k < 30; ++k) (filled(0.5 * (low + high)) < 0.5 ? high : low) = 0.5 * (low + high);
+  return c.domain.min[2] + 0.5 * (low + high);
+}
+
+double pressure_at(const WcsphFluid& fluid, const Vec3& point) {
+  const Kernel& kernel = fluid.constants().kernel;
+  const Vec3 gravity(fluid.constants().gravity[0], fluid.constants().gravity[1], fluid.constants().gravity[2]);
+  double weight = 0, sum = 0;
+  for (const Near& n : near(fluid, point, kernel.support, false)) {
+    const double w = n.volume * kernel.value(n.offset.norm());
+    weight += w;
+    sum += w * (n.p - n.density * gravity.dot(n.offset));
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid, std::span<const exchange::BodyState> states) {
+  std::vector<double> row;
+  for (const Probe& probe : scene.probes) {
+    const std::size_t target = index_of(scene, probe.target);
+    switch (probe.kind) {
+      case ProbeKind::kLevel: row.push_back(surface_level(fluid, probe.at[0], probe.at[1])); break;
+      case ProbeKind::kPressure: row.push_back(pressure_at(fluid, probe.at)); break;
+      case ProbeKind::kForce: {
+        const exchange::Wrench& w = fluid.wrenches()[target];
+        row.insert(row.end(), w.force, w.force + 3);
+        row.insert(row.end(), w.torque, w.torque + 3);
+        break;
+      }
+      case ProbeKind::kPose:
+        row.insert(row.end(), states[target].position, states[target].position + 3);
+        row.insert(row.end(), states[target].orientation, states[target].orientation + 4);
+        break;
+      case ProbeKind::kPressureError:
+        for (std::size_t k = 0; k < scene.fluids.size(); ++k)
+          if (scene.fluids[k].name == probe.target) row.push_back(pressure_error(fluid, k));
+        break;
+    }
+  }
+  return row;
+}
+
+std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,
+                            std::span<const exchange::BodyState> states) {
+  const double tolerance = 0.5 * fluid.spacing();
+  std::vector<std::size_t> containers;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].solid.is_container()) containers.push_back(b);
+  const Particles& particles = fluid.particles();
+  std::size_t misplaced = 0;
+#pragma omp parallel for num_threads(fluid.constants().threads) schedule(static) reduction(+ : misplaced)
+  for (std::size_t f = 0; f < particles.size(); ++f) {
+    const Record& r = particles.record[f];
+    const Vec3 p = fluid.coordinates().to_metres(r.x, r.y, r.z);
+    bool held = containers.empty(), inside = false;
+    for (std::size_t b = 0; b < bodies.size() && !inside; ++b) {
+      const Vec3 position = Vec3::Map(states[b].position);
+      const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2], states[b].orientation[3]);
+      const Vec3 local = q.conjugate() * (p - position);
+      const Box3 bounds = bodies[b].solid.bounds();
+      if (bodies[b].solid.is_container()) held |= bodies[b].solid.room_distance(local) < tolerance;
+      else if (((local - bounds.min).array() >= 0).all() && ((bounds.max - local).array() >= 0).all())
+        inside = bodies[b].solid.distance(local) < -tolerance;
+    }
+    if (inside || !held) ++misplaced;
+  }
+  (void)scene;
+  return misplaced;
+}
+
+}  // namespace ballast::fluid

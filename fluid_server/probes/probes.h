@@ -1,0 +1,26 @@
+// What the scene's probes read from the fluid and the bodies; columns as in common/output/columns.h.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "common/exchange/records.h"
+#include "common/scene/scene.h"
+#include "fluid_server/step/wcsph.h"
+
+namespace ballast::fluid {
+
+/// Values of all probes now, in the order of scene.probes.
+std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid, std::span<const exchange::BodyState> states);
+
+/// Height of the free surface above (x, y): highest z where the kernel sum of the particles crosses one half, m; the lowest
+/// z of the domain if there is no fluid.
+double surface_level(const WcsphFluid& fluid, double x, double y);
+
+/// Kernel mean of the particles' pressure, carried to the point along the hydrostatic gradient, Pa; 0 away from fluid.
+double pressure_at(const WcsphFluid& fluid, const Vec3& point);
+
+/// Particles that are more than half a spacing inside a solid or outside every container that the scene has.
+std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,
+                            std::span<const exchange::BodyState> states);
+
+}  // namespace ballast::fluid

@@ -1,0 +1,197 @@
+// The fluid's part of the run record.
+#include "fluid_server/report.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "common/exchange/hash.h"
+#include "common/output/picture.h"
+#include "fluid_server/probes/probes.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+nlohmann::json vector_json(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+std::uint64_t resident_bytes() {
+  unsigned long pages = 0, resident = 0;
+  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(file, "%lu %lu", &pages, &resident) != 2) resident = 0;
+    std::fclose(file);
+  }
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// Particles as the writers want them.
+struct Views {
+  std::vector<float> position, velocity, pressure, density;
+  explicit Views(const WcsphFluid& fluid) {
+    const double c2 = static_cast<double>(fluid.constants().sound_speed) * fluid.constants().sound_speed;
+    for (std::size_t f = 0; f < fluid.particles().size(); ++f) {
+      const Record& r = fluid.particles().record[f];
+      const Vec3 x = fluid.coordinates().to_metres(r.x, r.y, r.z);
+      for (int k = 0; k < 3; ++k) position.push_back(static_cast<float>(x[k]));
+      velocity.insert(velocity.end(), {r.vx, r.vy, r.vz});
+      pressure.push_back(r.p);
+      density.push_back(static_cast<float>(fluid.fluid_of(fluid.particles().id[f]).density + r.p / c2));
+    }
+  }
+  output::ParticleFrame frame() const { return {position, velocity, pressure, density}; }
+};
+
+std::vector<Pose> poses_of(std::span<const exchange::BodyState> states) {
+  std::vector<Pose> poses;
+  for (const auto& s : states)
+    poses.push_back({Vec3::Map(s.position), Quat(s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3])});
+  return poses;
+}
+
+}  // namespace
+
+Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir)
+    : scene_(scene), bodies_(bodies), fluid_(fluid), out_dir_(std::move(out_dir)), impulse_(bodies.size(), Vec3::Zero()) {
+  start_ = last_ = fluid.measure();
+  if (scene.output.vtk) vtk_ = std::make_unique<output::VtkSeries>(out_dir_ + "/vtk");
+  const RelaxReport& relaxed = fluid.relax_report();
+  if (relaxed.moves && relaxed.last_move > 5e-3)
+    warn(fmt::format("the start was not fully relaxed: after {} rounds particles still move by {:.2g} spacings a round",
+                     relaxed.moves, relaxed.last_move));
+}
+
+void Report::warn(std::string text) { warnings_.push_back(std::move(text)); }
+
+void Report::count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState>, double dt, double time) {
+  ++limits_[static_cast<std::size_t>(limit)];
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (scene_.models[b].motion == Motion::kStatic) continue;
+    const Vec3 impulse = Vec3::Map(fluid.wrenches()[b].force) * dt;
+    impulse_[b] += impulse;
+    impulse_total_ += impulse;
+    impulse_scale_ += impulse.norm();
+  }
+  if (steps_since_measure_++ % 20 == 0) {
+    last_ = fluid.measure();
+    error_mean_sum_ += last_.compression_mean;
+    error_max_ = std::max(error_max_, last_.compression_max);
+    ++error_count_;
+  }
+  const double mach = fluid.facts().max_speed / fluid.constants().sound_speed;
+  if (mach > 0.3 && worst_mach_ <= 0.3)
+    warn(fmt::format("at t = {:.4g} s the fluid reached {:.2g} times the sound speed of {:.3g} m/s: densities are off by up to "
+                     "{:.0f} %; raise numerics.sound_speed",
+                     time, mach, fluid.constants().sound_speed, 100 * mach * mach));
+  worst_mach_ = std::max(worst_mach_, mach);
+  if (fluid.lost() > lost_seen_) {
+    if (lost_seen_ == 0) warn(fmt::format("t = {:.4g} s: {}; further ones are only counted", time, fluid.lost_where()));
+    lost_seen_ = fluid.lost();
+  }
+}
+
+exchange::StepReport Report::step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash) {
+  exchange::StepReport r{};
+  r.step = step;
+  r.limit = static_cast<std::uint32_t>(dt.limit);
+  r.time = time;
+  r.dt = dt.dt;
+  r.hash = hash;
+  r.error[0] = last_.compression_mean;
+  r.error[1] = last_.compression_max;
+  r.particles = fluid_.particles().size();
+  return r;
+}
+
+Status Report::new_warnings(exchange::Link& link, std::uint64_t step, double time) {
+  for (; warnings_sent_ < warnings_.size(); ++warnings_sent_)
+    if (auto s = link.warning(step, time, warnings_[warnings_sent_]); !s) return s;
+  return ok();
+}
+
+Status Report::write_frame(std::span<const exchange::BodyState> states, double time) {
+  if (!vtk_) return ok();
+  const auto poses = poses_of(states);
+  return vtk_->add(time, Views(fluid_).frame(), bodies_, poses);
+}
+
+void Report::write_final(std::span<const exchange::BodyState> states, std::uint32_t threads) {
+  if (!scene_.output.picture) return;
+  const auto poses = poses_of(states);
+  if (auto s = output::make_picture(out_dir_, scene_, bodies_, poses, Views(fluid_).frame(), static_cast<int>(threads)); !s)
+    warn(s.error().text());
+}
+
+std::string Report::json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
+                         double waited, const Status& outcome) const {
+  using nlohmann::json;
+  const Measures end = fluid_.measure();
+  json j;
+  const std::size_t misplaced = count_misplaced(scene_, bodies_, fluid_, states);
+  j["particles"] = {{"fluid", fluid_.particles().size()},
+                    {"boundary", fluid_.samples().size()},
+                    {"lost", fluid_.lost() + misplaced},
+                    {"left_domain", fluid_.lost()},
+                    {"misplaced", misplaced}};
+  j["steps"] = step;
+  j["simulated_s"] = time;
+  j["stopped"] = stopped;
+  for (std::size_t k = 0; k < limits_.size(); ++k)
+    if (limits_[k]) j["step_limits"][kLimitNames[k]] = limits_[k];
+  j["limit_names"] = kLimitNames;
+  const StageTimes& t = fluid_.times();
+  j["stages"] = {{"sort", t.sort}, {"pressure", t.pressure}, {"boundary", t.boundary}, {"motion", t.motion}, {"wait", waited}};
+  j["error"] = {{"density_mean", error_count_ ? error_mean_sum_ / static_cast<double>(error_count_) : end.compression_mean},
+                {"density_max", std::max(error_max_, end.compression_max)},
+                {"pressure_residual", 0},
+                {"interface_residual", 0}};
+  j["ledger"] = {{"momentum_to_bodies_N_s", vector_json(impulse_total_)},
+                 {"momentum_scale", impulse_scale_},
+                 {"momentum_start", vector_json(start_.momentum)},
+                 {"momentum_end", vector_json(end.momentum)},
+                 {"mass_kg", end.mass},
+                 {"mass_drift", start_.mass > 0 ? end.mass / start_.mass - 1 : 0.0},
+                 {"energy_J",
+                  {{"kinetic", end.kinetic},
+                   {"potential", end.potential},
+                   {"elastic", end.elastic},
+                   {"change", end.kinetic + end.potential + end.elastic - start_.kinetic - start_.potential - start_.elastic}}}};
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (scene_.models[b].motion != Motion::kStatic)
+      j["ledger"]["per_body_N_s"][scene_.models[b].name] = vector_json(impulse_[b]);
+  for (const FillReport& f : fluid_.filled().reports)
+    j["fills"].push_back({{"fluid", f.fluid},
+                          {"volume_asked_m3", f.volume_asked},
+                          {"volume_got_m3", f.volume_got},
+                          {"mass_kg", f.mass},
+                          {"particles", f.particles}});
+  const RelaxReport& relaxed = fluid_.relax_report();
+  j["relaxation"] = {{"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};
+  j["solver"] = {{"pressure", "wcsph"},
+                 {"kernel", fluid_.constants().kernel.kind == KernelKind::kCubic ? "cubic spline" : "Wendland C2"},
+                 {"support_m", fluid_.constants().kernel.support},
+                 {"sound_speed", fluid_.constants().sound_speed},
+                 {"simd", simd_name()}};
+  j["scheme"] = fluid_.scheme() == Scheme::kStaggered ? "staggered" : "interlinked";
+  j["threads"] = fluid_.constants().threads;
+  j["rss_bytes"] = resident_bytes();
+  j["state_hash"] = fmt::format("{:016x}", fluid_.hash());
+  j["warnings"] = warnings_;
+  if (!outcome) j["failure"] = outcome.error().text();
+  return j.dump();
+}
+
+StepLimits step_limits(const Scene& scene, const WcsphFluid& fluid) {
+  StepLimits limits;
+  limits.h = fluid.constants().kernel.h();
+  limits.sound_speed = fluid.constants().sound_speed;
+  if (scene.numerics.courant > 0) limits.courant = scene.numerics.courant;
+  for (const Fluid& f : scene.fluids)
+    limits.kinematic_viscosity = std::max(limits.kinematic_viscosity, f.viscosity / f.density);
+  return limits;
+}
+
+std::string failure_json(const Error& error) { return nlohmann::json{{"failure", error.text()}}.dump(); }
+
+}  // namespace ballast::fluid

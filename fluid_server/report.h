@@ -1,0 +1,59 @@
+// What the fluid process reports: ledger, step limits, errors, warnings, ParaView files and the picture.
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/exchange/link.h"
+#include "common/geometry/bodies.h"
+#include "common/output/vtk.h"
+#include "fluid_server/step/wcsph.h"
+
+namespace ballast::fluid {
+
+class Report {
+ public:
+  Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir);
+
+  /// Books one finished step.
+  void count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState> states, double dt, double time);
+  exchange::StepReport step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash);
+  /// Sends warnings that have come up since the last call.
+  Status new_warnings(exchange::Link& link, std::uint64_t step, double time);
+  /// ParaView files of this moment, if the scene wants them.
+  Status write_frame(std::span<const exchange::BodyState> states, double time);
+  /// Picture of the last state, if the scene wants one.
+  void write_final(std::span<const exchange::BodyState> states, std::uint32_t threads);
+  std::string json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
+                   double waited, const Status& outcome) const;
+
+ private:
+  void warn(std::string text);
+
+  const Scene& scene_;
+  const std::vector<Body>& bodies_;
+  const WcsphFluid& fluid_;
+  std::string out_dir_;
+  std::array<std::uint64_t, static_cast<std::size_t>(Limit::kCount)> limits_{};
+  std::vector<Vec3> impulse_;            // given to each body, N s
+  double impulse_scale_ = 0;             // sum of magnitudes
+  Vec3 impulse_total_ = Vec3::Zero();    // given to all bodies that move
+  Measures start_;
+  Measures last_;
+  std::uint64_t steps_since_measure_ = 0;
+  double error_mean_sum_ = 0, error_max_ = 0, worst_mach_ = 0;
+  std::uint64_t error_count_ = 0;
+  std::vector<std::string> warnings_;
+  std::size_t warnings_sent_ = 0;
+  std::uint64_t lost_seen_ = 0;
+  std::unique_ptr<output::VtkSeries> vtk_;
+};
+
+/// Limits of the step that stay the same through a run.
+StepLimits step_limits(const Scene& scene, const WcsphFluid& fluid);
+
+/// Final report of a process that could not start.
+std::string failure_json(const Error& error);
+
+}  // namespace ballast::fluid

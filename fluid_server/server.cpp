@@ -1,0 +1,173 @@
+// The loop of the fluid process: credit, first half of the step, wrenches out, second half, states in, reports.
+#include "fluid_server/server.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "common/exchange/hash.h"
+#include "common/geometry/bodies.h"
+#include "common/scene/reader.h"
+#include "fluid_server/probes/probes.h"
+#include "fluid_server/report.h"
+#include "fluid_server/step/wcsph.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class Server {
+ public:
+  Server(exchange::Segment& segment, Scene scene, std::vector<Body> bodies, std::unique_ptr<WcsphFluid> fluid)
+      : segment_(segment),
+        link_(segment),
+        scene_(std::move(scene)),
+        bodies_(std::move(bodies)),
+        fluid_(std::move(fluid)),
+        report_(scene_, bodies_, *fluid_, segment.out_dir()),
+        coupled_(segment.has(exchange::Role::kRigid)) {
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      states_.push_back(initial_state(scene_.models[b], bodies_[b], scene_.world.gravity));
+    limits_ = step_limits(scene_, *fluid_);
+  }
+
+  Status run() {
+    if (coupled_) {
+      auto answer = link_.receive(0, 0, states_);
+      if (!answer) return answer.error();
+      engine_bound_ = answer->max_dt;
+    }
+    if (auto s = rows(true); !s) return s;
+    const double end = scene_.world.duration;
+    while (time_ < end * (1 - 1e-12) && !stopped_) {
+      if (auto s = one_step(end); !s) return s;
+    }
+    return ok();
+  }
+
+  Status finish(const Status& outcome) {
+    if (auto s = rows(true); !s && outcome) return s;
+    if (outcome) report_.write_final(states_, segment_.threads());
+    return link_.finish(outcome ? kFine : outcome.error().exit_code,
+                        report_.json(step_, time_, stopped_, states_, link_.seconds_waited(), outcome));
+  }
+
+ private:
+  Status one_step(double end) {
+    const auto start = Clock::now();
+    const double waited = link_.seconds_waited();
+    auto credit = link_.await_credit(step_ + 1);
+    if (!credit) return credit.error();
+    if (!*credit) {
+      stopped_ = true;
+      return ok();
+    }
+    Step step = choose_step(limits_, fluid_->facts(), coupled_ ? engine_bound_ : 1e300, time_, end);
+    for (std::uint32_t iteration = 0;; ++iteration) {
+      if (auto s = try_step(step, iteration, end); !s) return s;
+      if (fluid_->facts().max_move <= kLongestMove || iteration == kRetries) break;
+      // Something was faster than the last step foretold: do the step again, shorter.
+      fluid_->roll_back();
+      states_ = states_before_;
+      step = {step.dt * 0.5 * kLongestMove / std::min(fluid_->facts().max_move + kLongestMove, 1.0), Limit::kRetry};
+    }
+    ++step_;
+    time_ += step.dt;
+    if (!fluid_->facts().finite || fluid_->facts().max_speed > 20 * limits_.sound_speed) return diverged();
+    report_.count(step.limit, *fluid_, states_, step.dt, time_);
+    exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
+    r.wall_wait = link_.seconds_waited() - waited;
+    r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
+    if (auto s = link_.report(r); !s) return s;
+    return rows(false);
+  }
+
+  /// The step itself; reads like the one in the folder's README.
+  Status try_step(const Step& step, std::uint32_t iteration, double end) {
+    fluid_->begin(states_, step.dt);
+    if (coupled_) {
+      exchange::Order order{};
+      order.step = step_ + 1;
+      order.iteration = iteration;
+      order.flags = (iteration > 0 ? exchange::kRollBack : 0u) |
+                    (time_ + step.dt >= end * (1 - 1e-12) ? static_cast<std::uint32_t>(exchange::kLast) : 0u);
+      order.time = time_;
+      order.dt = order.next_dt = step.dt;
+      if (auto s = link_.send(order, fluid_->wrenches(), fluid_->contacts()); !s) return s;
+    }
+    fluid_->move();
+    if (!coupled_) return ok();
+    states_before_ = states_;
+    auto answer = link_.receive(step_ + 1, iteration, states_);
+    if (!answer) return answer.error();
+    engine_bound_ = answer->max_dt > 0 ? answer->max_dt : 1e300;
+    return ok();
+  }
+
+  Status rows(bool always) {
+    if (auto s = report_.new_warnings(link_, step_, time_); !s) return s;
+    const double every = scene_.output.every;
+    const auto number = static_cast<std::int64_t>(std::floor(time_ / every + 1e-9));
+    if ((!always && number <= last_row_) || time_ == last_row_time_) return ok();
+    last_row_ = number;
+    last_row_time_ = time_;
+    if (auto s = report_.write_frame(states_, time_); !s) return s;
+    const auto values = read_probes(scene_, *fluid_, states_);
+    return values.empty() ? ok() : link_.frame(exchange::FrameKind::kProbes, step_, time_, values);
+  }
+
+  Status diverged() const {
+    Error error;
+    error.what = fmt::format("the fluid diverged at t = {:.6g} s (step {}): largest speed {:.3g} m/s, sound speed {:.3g} m/s",
+                             time_, step_, fluid_->facts().max_speed, limits_.sound_speed);
+    error.cure = "try a smaller numerics.courant, a larger numerics.sound_speed, or look for bodies that start inside fluid";
+    error.exit_code = kDiverged;
+    return error;
+  }
+
+  static constexpr double kLongestMove = 0.5;  // spacings a particle may move in a step
+  static constexpr std::uint32_t kRetries = 8;
+
+  exchange::Segment& segment_;
+  exchange::FluidLink link_;
+  Scene scene_;
+  std::vector<Body> bodies_;
+  std::unique_ptr<WcsphFluid> fluid_;
+  Report report_;
+  bool coupled_, stopped_ = false;
+  StepLimits limits_;
+  std::vector<exchange::BodyState> states_, states_before_;
+  double engine_bound_ = 1e300;
+  std::uint64_t step_ = 0;
+  double time_ = 0;
+  std::int64_t last_row_ = -1;
+  double last_row_time_ = -1;
+};
+
+}  // namespace
+
+Status serve(exchange::Segment& segment) {
+  const auto fail = [&](const Error& error) -> Status {
+    exchange::FluidLink link(segment);
+    if (auto s = link.finish(error.exit_code, failure_json(error)); !s) return s;
+    return error;
+  };
+  auto scene = read_scene_text(std::string(segment.scene_text()), "scene");
+  if (!scene) return fail(scene.error());
+  auto bodies = make_bodies(*scene);
+  if (!bodies) return fail(bodies.error());
+  const int threads = segment.threads() ? static_cast<int>(segment.threads())
+                                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  auto fluid = WcsphFluid::make(*scene, *bodies, threads);
+  if (!fluid) return fail(fluid.error());
+  Server server(segment, *std::move(scene), *std::move(bodies), *std::move(fluid));
+  const Status outcome = server.run();
+  if (auto s = server.finish(outcome); !s && outcome) return s;
+  return outcome;
+}
+
+}  // namespace ballast::fluid

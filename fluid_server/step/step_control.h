@@ -1,0 +1,39 @@
+// How long the next step may be, and why.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "common/scene/scene.h"
+
+namespace ballast::fluid {
+
+/// What the present state says about the next step.
+struct StepFacts {
+  double max_speed = 0;         ///< of particles and samples, m/s
+  double max_acceleration = 0;  ///< of particles, m/s^2
+  double max_move = 0;          ///< in the step just done, spacings
+  bool finite = true;           ///< no NaN anywhere
+};
+
+enum class Limit : std::uint32_t { kSound, kViscosity, kAcceleration, kStaggered, kEngine, kOutput, kRetry, kCount };
+inline constexpr std::array<const char*, static_cast<std::size_t>(Limit::kCount)> kLimitNames{
+    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry"};
+
+struct StepLimits {
+  double h = 0;                 ///< smoothing length (half the support), m
+  double sound_speed = 0;       ///< m/s
+  double courant = 0.25;        ///< of h / (c + v)
+  double kinematic_viscosity = 0;  ///< largest, m^2/s
+  double staggered = 1e300;     ///< s, bound of the staggered scheme
+};
+
+struct Step {
+  double dt = 0;
+  Limit limit = Limit::kSound;
+};
+
+/// Shortest of: courant h / (c + v); h^2 / (8 nu); sqrt(h / a) / 4 (Monaghan 1992); the engine's bound; what is left to
+/// `end`. A step that would leave less than half a step is stretched over what is left.
+Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine_bound, double time, double end);
+
+}  // namespace ballast::fluid

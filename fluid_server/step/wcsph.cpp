@@ -1,0 +1,191 @@
+// One step of the weakly compressible fluid.
+#include "fluid_server/step/wcsph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "common/exchange/hash.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& total) : total_(total) {}
+  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+constexpr std::size_t kBlock = 1024;  // particles per partial sum: fixed, so that sums do not depend on threads
+
+/// Position after a move of v dt; false if it left the domain along an axis that is not periodic.
+bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
+  const std::int64_t to = static_cast<std::int64_t>(x) + static_cast<std::int64_t>(std::llround(move / quantum));
+  x = static_cast<std::uint32_t>(to);
+  return periodic || (to >= 0 && to <= 0xffffffffLL);
+}
+
+}  // namespace
+
+void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
+  constants_.dt = static_cast<float>(dt);
+  facts_before_ = facts_;
+  std::swap(particles_, before_);
+  {
+    const Stopwatch watch(times_.sort);
+    samples_->place(states, coordinates_, constants_.threads);
+    items_->rebuild(before_, particles_, samples_->moving(), samples_->first_moving);
+    prepare_extras();
+  }
+  {
+    const Stopwatch watch(times_.pressure);
+    build_lists_and_advance_pressure(*items_, extras_, constants_, pressure_);
+#pragma omp parallel for num_threads(constants_.threads) schedule(static)
+    for (std::size_t f = 0; f < particles_.size(); ++f)
+      particles_.record[f].p = items_->record[items_->fluid_item[f]].p = pressure_[f];
+  }
+  const Stopwatch watch(times_.boundary);
+  gather_samples(*items_, extras_, constants_, sums_);
+  response_->solve(*items_, extras_, sums_, constants_, states, scheme_);
+}
+
+void WcsphFluid::prepare_extras() {
+  if (constants_.several_densities) {
+    extras_.density.assign(items_->size() + Neighbourhood::kTail, filled_.fluids[0].density);
+    for (std::size_t f = 0; f < particles_.size(); ++f)
+      extras_.density[items_->fluid_item[f]] = fluid_of(particles_.id[f]).density;
+  }
+  if (constants_.viscous) {
+    extras_.viscous.resize(items_->size());
+#pragma omp parallel for num_threads(constants_.threads) schedule(static)
+    for (std::size_t f = 0; f < particles_.size(); ++f) {
+      const Record& r = particles_.record[f];
+      extras_.viscous[items_->fluid_item[f]] = {r.vx, r.vy, r.vz, fluid_of(particles_.id[f]).viscosity};
+    }
+  }
+}
+
+void WcsphFluid::move() {
+  {
+    const Stopwatch watch(times_.motion);
+    accelerate(*items_, extras_, constants_, acceleration_);
+    const double dt = constants_.dt;
+    double speed2 = 0, acceleration2 = 0, check = 0;
+    std::uint64_t left = 0;
+#pragma omp parallel for num_threads(constants_.threads) schedule(static) reduction(max : speed2, acceleration2) \
+    reduction(+ : left, check)
+    for (std::size_t f = 0; f < particles_.size(); ++f) {
+      Record& r = particles_.record[f];
+      const float* a = &acceleration_[3 * f];
+      r.vx += constants_.dt * a[0];
+      r.vy += constants_.dt * a[1];
+      r.vz += constants_.dt * a[2];
+      bool inside = advance(r.x, r.vx * dt, coordinates_.quantum[0], coordinates_.periodic[0]);
+      inside &= advance(r.y, r.vy * dt, coordinates_.quantum[1], coordinates_.periodic[1]);
+      inside &= advance(r.z, r.vz * dt, coordinates_.quantum[2], coordinates_.periodic[2]);
+      if (!inside) r.volume = 0, ++left;
+      const double v2 = static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
+      const double a2 = static_cast<double>(a[0]) * a[0] + static_cast<double>(a[1]) * a[1] + static_cast<double>(a[2]) * a[2];
+      speed2 = std::max(speed2, v2);
+      acceleration2 = std::max(acceleration2, a2);
+      check += (v2 + std::abs(r.p)) * 0;  // NaN if anything is not finite
+    }
+    facts_.max_speed = std::sqrt(speed2);
+    facts_.max_acceleration = std::sqrt(acceleration2);
+    facts_.max_move = facts_.max_speed * dt / spacing_;
+    facts_.finite = check == 0;
+    for (const Record& r : samples_->moving()) {
+      const double v2 = static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
+      facts_.max_speed = std::max(facts_.max_speed, std::sqrt(v2));
+    }
+    if (left) remove_lost();
+  }
+}
+
+void WcsphFluid::roll_back() {
+  std::swap(particles_, before_);
+  facts_ = facts_before_;
+}
+
+void WcsphFluid::remove_lost() {
+  std::size_t kept = 0;
+  for (std::size_t f = 0; f < particles_.size(); ++f) {
+    const Record& r = particles_.record[f];
+    if (r.volume == 0) {
+      ++lost_;
+      lost_where_ = fmt::format("particle {} left the domain with velocity ({:.3g}, {:.3g}, {:.3g}) m/s", particles_.id[f],
+                                r.vx, r.vy, r.vz);
+      continue;
+    }
+    Particles::for_each_field([&](auto field) { (particles_.*field)[kept] = (particles_.*field)[f]; });
+    ++kept;
+  }
+  particles_.resize(kept);
+}
+
+const FluidProperties& WcsphFluid::fluid_of(std::uint32_t id) const {
+  const FluidProperties* fluid = filled_.fluids.data();
+  for (const FluidProperties& next : filled_.fluids)
+    if (id >= next.first_id) fluid = &next;
+  return *fluid;
+}
+
+Measures WcsphFluid::measure() const {
+  const std::size_t blocks = (particles_.size() + kBlock - 1) / kBlock;
+  std::vector<Measures> part(blocks);
+  const Vec3 gravity(constants_.gravity[0], constants_.gravity[1], constants_.gravity[2]);
+  const double c2 = static_cast<double>(constants_.sound_speed) * constants_.sound_speed;
+#pragma omp parallel for num_threads(constants_.threads) schedule(static)
+  for (std::size_t b = 0; b < blocks; ++b) {
+    Measures& m = part[b];
+    for (std::size_t f = b * kBlock; f < std::min(particles_.size(), (b + 1) * kBlock); ++f) {
+      const Record& r = particles_.record[f];
+      const double rho = fluid_of(particles_.id[f]).density, mass = rho * r.volume, stiffness = rho * c2;
+      const Vec3 x = coordinates_.to_metres(r.x, r.y, r.z), v(r.vx, r.vy, r.vz);
+      m.mass += mass;
+      m.kinetic += 0.5 * mass * v.squaredNorm();
+      m.potential -= mass * gravity.dot(x);
+      m.elastic += 0.5 * r.volume * static_cast<double>(r.p) * r.p / stiffness;
+      m.momentum += mass * v;
+      m.angular_momentum += mass * x.cross(v);
+      const double e = std::abs(r.p) / stiffness;
+      m.compression_mean += e;
+      m.compression_max = std::max(m.compression_max, e);
+    }
+  }
+  Measures total;
+  for (const Measures& m : part) {
+    total.mass += m.mass;
+    total.kinetic += m.kinetic;
+    total.potential += m.potential;
+    total.elastic += m.elastic;
+    total.momentum += m.momentum;
+    total.angular_momentum += m.angular_momentum;
+    total.compression_mean += m.compression_mean;
+    total.compression_max = std::max(total.compression_max, m.compression_max);
+  }
+  if (particles_.size()) total.compression_mean /= static_cast<double>(particles_.size());
+  return total;
+}
+
+std::uint64_t WcsphFluid::hash() const {
+  // particles_ may be sorted or not: order by id
+  std::vector<std::uint32_t> at(particles_.size());
+  for (std::uint32_t f = 0; f < at.size(); ++f) at[f] = f;
+  std::sort(at.begin(), at.end(), [&](auto a, auto b) { return particles_.id[a] < particles_.id[b]; });
+  exchange::Hash hash;
+  for (std::uint32_t f : at) {
+    hash.add(&particles_.id[f], sizeof(std::uint32_t));
+    hash.add(&particles_.record[f], sizeof(Record));
+  }
+  return hash.value();
+}
+
+}  // namespace ballast::fluid

@@ -1,0 +1,95 @@
+// One step of the weakly compressible fluid (delta-SPH: Antuono, Colagrossi and Marrone 2012), volumes fixed:
+//   sort -> lists and pressure (continuity) -> samples and bodies -> [wrenches out] -> acceleration and motion.
+// Pressure is the state, p = rho c^2 e with e the compression that continuity integrates. The force is the transpose of the
+// divergence, so that the two exchange energy without making any.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/geometry/bodies.h"
+#include "common/result.h"
+#include "fluid_server/boundary/response.h"
+#include "fluid_server/particles/fill.h"
+#include "fluid_server/particles/relax.h"
+#include "fluid_server/passes/passes.h"
+#include "fluid_server/step/step_control.h"
+
+namespace ballast::fluid {
+
+/// Seconds spent, by stage.
+struct StageTimes {
+  double sort = 0, pressure = 0, boundary = 0, motion = 0;
+};
+
+/// Sums over all particles, in double and in a fixed order.
+struct Measures {
+  double kinetic = 0, potential = 0, elastic = 0;  ///< J
+  Vec3 momentum = Vec3::Zero();                    ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();            ///< about the origin, kg m^2/s
+  double mass = 0;                                 ///< kg
+  double compression_mean = 0, compression_max = 0;///< |p| / (rho c^2)
+};
+
+class WcsphFluid {
+ public:
+  static Result<std::unique_ptr<WcsphFluid>> make(const Scene& scene, const std::vector<Body>& bodies, int threads);
+
+  /// First half of a step of length dt: everything up to the wrenches on the bodies in `states`.
+  void begin(std::span<const exchange::BodyState> states, double dt);
+  /// Second half: moves the particles. Afterwards limits() speaks of the new state.
+  void move();
+  /// Back to the state before begin(); wrenches are void.
+  void roll_back();
+
+  const StepFacts& facts() const { return facts_; }
+  std::span<const exchange::Wrench> wrenches() const { return response_->wrenches(); }
+  std::span<const exchange::Contact> contacts() const { return response_->contacts(); }
+
+  Measures measure() const;
+  const Particles& particles() const { return particles_; }
+  const Coordinates& coordinates() const { return coordinates_; }
+  const Samples& samples() const { return *samples_; }
+  const PassConstants& constants() const { return constants_; }
+  const Filled& filled() const { return filled_; }
+  const RelaxReport& relax_report() const { return relax_report_; }
+  const StageTimes& times() const { return times_; }
+  const FluidProperties& fluid_of(std::uint32_t id) const;
+  double spacing() const { return spacing_; }
+  std::uint64_t lost() const { return lost_; }
+  const std::string& lost_where() const { return lost_where_; }
+  std::uint64_t hash() const;          ///< of all particles, in order of id
+  Scheme scheme() const { return scheme_; }
+  std::size_t memory() const;
+
+ private:
+  WcsphFluid() = default;
+  void prepare_extras();
+  void remove_lost();
+
+  Coordinates coordinates_;
+  double spacing_ = 0;
+  PassConstants constants_;
+  Scheme scheme_ = Scheme::kInterlinked;
+  Filled filled_;                      // fluids and reports; its particles have moved to particles_
+  RelaxReport relax_report_;
+  Particles particles_, before_;       // now, and before begin()
+  std::unique_ptr<Samples> samples_;
+  std::unique_ptr<Neighbourhood> items_;
+  std::unique_ptr<Response> response_;
+  ItemExtras extras_;
+  std::vector<float> pressure_, acceleration_;
+  std::vector<SampleSums> sums_;
+  StepFacts facts_, facts_before_;
+  StageTimes times_;
+  std::uint64_t lost_ = 0;
+  std::string lost_where_;
+};
+
+/// Box that particles may be in: world.domain, or around everything in the scene with room above for splashes.
+Box3 choose_domain(const Scene& scene, const std::vector<Body>& bodies, double support);
+
+/// Ten times the largest speed expected: that of a fall through the fluid's whole height, or of what moves at the start.
+double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, const Filled& filled);
+
+}  // namespace ballast::fluid

@@ -1,0 +1,128 @@
+// Setting up the weakly compressible fluid: domain, sound speed, fill, relaxed start.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid_server/step/wcsph.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+void extend(Box3& box, const Vec3& p) {
+  box.min = box.min.cwiseMin(p);
+  box.max = box.max.cwiseMax(p);
+}
+
+Box3 occupied_box(const Scene& scene, const std::vector<Body>& bodies) {
+  Box3 box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+  for (const Fluid& fluid : scene.fluids)
+    if (fluid.fill.kind == FillKind::kBox) extend(box, fluid.fill.box.min), extend(box, fluid.fill.box.max);
+    else if (fluid.fill.kind == FillKind::kMesh) extend(box, fluid.fill.pose.position);
+  for (const Body& body : bodies) {
+    const Box3 local = body.solid.bounds();
+    if (!local.min.allFinite() || !local.max.allFinite() || local.min.norm() > 1e100) continue;
+    for (int corner = 0; corner < 8; ++corner)
+      extend(box, body.pose.position + body.pose.rotation * Vec3((corner & 1 ? local.max : local.min)[0],
+                                                                 (corner & 2 ? local.max : local.min)[1],
+                                                                 (corner & 4 ? local.max : local.min)[2]));
+  }
+  return box;
+}
+
+}  // namespace
+
+Box3 choose_domain(const Scene& scene, const std::vector<Body>& bodies, double support) {
+  Box3 box = occupied_box(scene, bodies);
+  const Vec3 size = box.max - box.min;
+  const double margin = 3 * support;
+  Box3 domain{box.min.array() - margin, box.max.array() + margin};
+  domain.max[2] += 1.5 * size[2];  // splashes rise higher than the water stood
+  if (scene.world.domain) {
+    for (int k = 0; k < 3; ++k)
+      domain.min[k] = scene.world.domain->min[k], domain.max[k] = scene.world.domain->max[k];
+  }
+  if (scene.world.dimension == 2) domain.min[1] = -0.5, domain.max[1] = 0.5;
+  return domain;
+}
+
+double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, const Filled& filled) {
+  if (scene.numerics.sound_speed > 0) return scene.numerics.sound_speed;
+  double speed = 0, top = -1e300;
+  for (const Fluid& fluid : scene.fluids) speed = std::max(speed, fluid.velocity.norm());
+  for (const FillReport& report : filled.reports) top = std::max(top, report.top);
+  double bottom = 1e300;
+  for (const Fluid& fluid : scene.fluids)
+    if (fluid.fill.kind == FillKind::kBox) bottom = std::min(bottom, fluid.fill.box.min[2]);
+  const Box3 box = occupied_box(scene, bodies);
+  if (bottom > 1e299) bottom = box.min[2];
+  double size = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (scene.models[b].motion == Motion::kStatic) continue;
+    speed = std::max(speed, scene.models[b].velocity.norm());
+    const Box3 local = bodies[b].solid.bounds();
+    const double reach = 0.5 * (local.max - local.min).norm();
+    size = std::max(size, reach);
+    speed = std::max(speed, scene.models[b].angular_velocity.norm() * reach);
+    const Prescription& drive = scene.models[b].prescription;
+    speed = std::max(speed, drive.velocity.norm() + drive.angular_velocity.norm() * reach +
+                                drive.amplitude.norm() * 2 * M_PI * drive.frequency);
+  }
+  const double depth = std::max(top - bottom, scene.world.spacing);
+  const double fall = std::sqrt(scene.world.gravity.norm() * depth);
+  speed = std::max({speed, fall, 1e-3 * scene.world.spacing});
+  return 10 * speed;
+}
+
+Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads) {
+  std::unique_ptr<WcsphFluid> fluid(new WcsphFluid);
+  WcsphFluid& self = *fluid;
+  self.spacing_ = scene.world.spacing;
+  const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto ? scene.numerics.kernel
+                          : scene.world.dimension == 2 || scene.world.accuracy == Accuracy::kAccurate ? KernelKind::kWendland
+                                                                                                      : KernelKind::kCubic;
+  Kernel kernel{kind, scene.world.dimension, support_in_spacings(kind) * scene.world.spacing};
+  self.constants_.kernel = kernel;
+  self.constants_.threads = threads;
+  self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
+  for (int k = 0; k < 3; ++k) self.constants_.gravity[k] = static_cast<float>(scene.world.gravity[k]);
+  if (scene.world.dimension == 2) self.constants_.gravity[1] = 0;
+  self.scheme_ = scene.coupling.scheme == "staggered" ? Scheme::kStaggered : Scheme::kInterlinked;
+  self.coordinates_ = Coordinates::make(choose_domain(scene, bodies, kernel.support), scene.world.periodic);
+  for (int k = 0; k < 3; ++k)
+    if (scene.world.periodic[k] &&
+        self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k] < 3 * kernel.support)
+      return Error{fmt::format("the domain is {:.3g} m long on its periodic axis {}, less than three kernel supports of {:.3g} m",
+                               self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k], "xyz"[k], kernel.support),
+                   "make world.domain longer or world.spacing smaller", ""};
+  auto filled = fill_fluids(scene, bodies, self.coordinates_, kernel.support);
+  if (!filled) return filled.error();
+  self.filled_ = *std::move(filled);
+  for (const FluidProperties& one : self.filled_.fluids) {
+    self.constants_.several_densities |= one.density != self.filled_.fluids[0].density;
+    self.constants_.viscous |= one.viscosity > 0;
+  }
+  self.extras_.density.assign(1, self.filled_.fluids[0].density);
+  self.constants_.sound_speed = static_cast<float>(choose_sound_speed(scene, bodies, self.filled_));
+
+  self.samples_ = std::make_unique<Samples>(
+      Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
+  self.particles_ = std::move(self.filled_.particles);
+  if (scene.numerics.relax) {
+    std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
+    std::erase_if(solid, [](const Record& r) { return r.volume == 0; });
+    solid.insert(solid.end(), self.filled_.ghosts.begin(), self.filled_.ghosts.end());
+    self.relax_report_ = relax(self.particles_, solid, self.coordinates_, self.constants_, self.spacing_, 1000);
+  }
+  self.filled_.ghosts = {};
+  self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
+  self.items_->set_static_samples(self.samples_->fixed());
+  self.response_ = std::make_unique<Response>(*self.samples_, bodies.size(), scene.coupling.contact_sets, self.spacing_, threads);
+  for (const Record& r : self.particles_.record)
+    self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));
+  self.facts_.max_acceleration = scene.world.gravity.norm();
+  return fluid;
+}
+
+}  // namespace ballast::fluid

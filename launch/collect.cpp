@@ -1,0 +1,139 @@
+// Frames to rows, totals and warnings; each frame is checked before it is believed.
+#include "launch/collect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/output/columns.h"
+
+namespace ballast::launch {
+
+using exchange::Frame;
+using exchange::FrameKind;
+using exchange::Role;
+using exchange::StepReport;
+
+Status CsvFile::open(const std::string& path, const std::vector<std::string>& columns) {
+  path_ = path;
+  file_.reset(std::fopen((path + ".part").c_str(), "w"));
+  if (!file_) return Error{"cannot write " + path, "choose a folder that may be written to with --out", ""};
+  std::fputs("t", file_.get());
+  for (const std::string& column : columns) std::fprintf(file_.get(), ",%s", column.c_str());
+  std::fputc('\n', file_.get());
+  return ok();
+}
+
+void CsvFile::row(double time, std::span<const double> values) {
+  if (!file_) return;
+  std::fprintf(file_.get(), "%.9g", time);
+  for (double value : values) std::fprintf(file_.get(), ",%.9g", value);
+  std::fputc('\n', file_.get());
+}
+
+Status CsvFile::close() {
+  if (!file_) return ok();
+  const bool failed = std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0;
+  file_.reset();
+  if (failed || std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) {
+    return Error{"cannot finish writing " + path_, "check that the disk is not full", "", kProcessFailed};
+  }
+  return ok();
+}
+
+Collector::Collector(const Scene& scene, bool fluid, bool rigid)
+    : scene_(&scene), fluid_(fluid), rigid_(rigid), lockstep_(fluid && rigid) {
+  bodies_.columns = output::body_columns(scene);
+  probes_.columns = output::probe_columns(scene);
+}
+
+Result<Collector> Collector::make(const Scene& scene, bool fluid, bool rigid, const std::string& out_dir) {
+  Collector out(scene, fluid, rigid);
+  if (rigid) {
+    if (Status s = out.bodies_file_.open(out_dir + "/bodies.csv", out.bodies_.columns); !s) return s.error();
+  }
+  if (!out.probes_.columns.empty()) {
+    if (Status s = out.probes_file_.open(out_dir + "/probes.csv", out.probes_.columns); !s) return s.error();
+  }
+  return out;
+}
+
+Status Collector::take(Role role, const Frame& frame) {
+  switch (frame.head.kind) {
+    case FrameKind::kStep: {
+      const StepReport report = frame.step_report();
+      take_step(role, report);
+      return lockstep_.take(role, report);
+    }
+    case FrameKind::kBodies:
+      return role == Role::kRigid ? take_bodies(frame) : ok();
+    case FrameKind::kProbes:
+      if (!probes_.add(frame.head.time, frame.values())) {
+        return Error{fmt::format("the {} sent {} probe values, {} were expected", exchange::role_name(role),
+                                 frame.values().size(), probes_.columns.size()),
+                     "both programs must come from the same build", "", kProcessFailed};
+      }
+      probes_file_.row(frame.head.time, frame.values());
+      return ok();
+    case FrameKind::kWarning: {
+      std::string text = frame.text();
+      if (std::ranges::find(warnings_, text) == warnings_.end()) warnings_.push_back(std::move(text));
+      return ok();
+    }
+  }
+  return Error{fmt::format("the {} sent a frame of unknown kind {}", exchange::role_name(role),
+                           static_cast<std::uint32_t>(frame.head.kind)),
+               "both programs must come from the same build", "", kProcessFailed};
+}
+
+void Collector::take_step(Role role, const StepReport& report) {
+  StepTotals& totals = totals_[static_cast<std::size_t>(role)];
+  if (report.step != totals.last.step) ++totals.steps;  // repeated iterations of a step count once
+  totals.compute_s += report.wall_compute;
+  totals.wait_s += report.wall_wait;
+  totals.density_mean_sum += report.error[0];
+  for (std::size_t k = 0; k < 4; ++k) totals.max_error[k] = std::max(totals.max_error[k], report.error[k]);
+  totals.last = report;
+}
+
+Status Collector::take_bodies(const Frame& frame) {
+  if (!bodies_.add(frame.head.time, frame.values())) {
+    return Error{fmt::format("the rigid process sent {} body values, {} were expected", frame.values().size(),
+                             bodies_.columns.size()),
+                 "both programs must come from the same build", "", kProcessFailed};
+  }
+  bodies_file_.row(frame.head.time, frame.values());
+  if (!fluid_ && !probes_.columns.empty()) return take_dry_probes(frame.head.time, frame.values());
+  return ok();
+}
+
+Status Collector::take_dry_probes(double time, std::span<const double> bodies) {
+  const std::vector<int> moving = output::moving_models(*scene_);
+  std::vector<double> row;
+  for (const Probe& probe : scene_->probes) {
+    std::size_t body = 0;
+    while (body < moving.size() && scene_->models[static_cast<std::size_t>(moving[body])].name != probe.target) ++body;
+    const std::size_t first = body * output::kBodyValues;
+    if (probe.kind == ProbeKind::kPose) {
+      for (std::size_t k = 0; k < 7; ++k) {
+        row.push_back(body < moving.size() ? bodies[first + k] : std::numeric_limits<double>::quiet_NaN());
+      }
+    } else if (probe.kind == ProbeKind::kForce) {
+      row.insert(row.end(), 6, 0.0);  // no fluid, no force of it
+    } else {
+      row.push_back(std::numeric_limits<double>::quiet_NaN());  // no fluid: no level, no pressure
+    }
+  }
+  probes_.add(time, row);
+  probes_file_.row(time, row);
+  return ok();
+}
+
+Status Collector::close() {
+  if (Status s = bodies_file_.close(); !s) return s;
+  return probes_file_.close();
+}
+
+}  // namespace ballast::launch

@@ -1,0 +1,71 @@
+// Everything that comes out of the report rings during a run: rows to files and memory, step totals, warnings.
+#pragma once
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/exchange/link.h"
+#include "common/result.h"
+#include "common/scene/scene.h"
+#include "launch/lockstep.h"
+#include "launch/table.h"
+
+namespace ballast::launch {
+
+/// A CSV file that gets its name only when close() is called.
+class CsvFile {
+ public:
+  CsvFile() = default;
+  Status open(const std::string& path, const std::vector<std::string>& columns);
+  void row(double time, std::span<const double> values);
+  Status close();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Closer> file_;
+  std::string path_;
+};
+
+/// Sums over the step reports of one process.
+struct StepTotals {
+  std::uint64_t steps = 0;
+  double compute_s = 0, wait_s = 0;
+  double density_mean_sum = 0;
+  std::array<double, 4> max_error{};  ///< as StepReport::error
+  exchange::StepReport last{};
+};
+
+class Collector {
+ public:
+  /// Opens the row files of the parts that take part.
+  static Result<Collector> make(const Scene& scene, bool fluid, bool rigid, const std::string& out_dir);
+  Status take(exchange::Role role, const exchange::Frame& frame);
+  Status close();
+
+  const Table& bodies() const { return bodies_; }
+  const Table& probes() const { return probes_; }
+  const StepTotals& totals(exchange::Role role) const { return totals_[static_cast<std::size_t>(role)]; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::uint64_t reported() const { return lockstep_.reported(); }
+
+ private:
+  Collector(const Scene& scene, bool fluid, bool rigid);
+  void take_step(exchange::Role role, const exchange::StepReport& report);
+  Status take_bodies(const exchange::Frame& frame);
+  /// Without a fluid process the poses asked for as probes come from the bodies.
+  Status take_dry_probes(double time, std::span<const double> bodies);
+
+  const Scene* scene_;
+  bool fluid_, rigid_;
+  Lockstep lockstep_;
+  Table bodies_, probes_;
+  CsvFile bodies_file_, probes_file_;
+  std::array<StepTotals, 2> totals_{};
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace ballast::launch

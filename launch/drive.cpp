@@ -1,0 +1,230 @@
+// The coordinator sits on no critical path: it grants thousands of steps ahead and sleeps between looks at the rings.
+#include "launch/drive.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <utility>
+
+#include "launch/progress.h"
+#include "launch/schedule.h"
+
+namespace ballast::launch {
+
+using exchange::Control;
+using exchange::PeerState;
+using exchange::Role;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kAttachTimeout = 30;     // s for a started process to attach
+constexpr double kGraceAfterDeath = 0.3;  // s for the partner of a dead process; its own peer test takes 0.1 s
+constexpr double kGraceAfterEnd = 2;      // s for a process to exit after its final report
+constexpr double kGraceAfterStop = 20;    // s for a step under way when the run is stopped
+constexpr auto kNap = std::chrono::milliseconds(50);
+
+volatile std::sig_atomic_t signals_seen = 0;
+
+/// Counts SIGINT and SIGTERM while it lives.
+class StopSignals {
+ public:
+  StopSignals() {
+    signals_seen = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { signals_seen = signals_seen + 1; };
+    sigaction(SIGINT, &action, &old_int_);
+    sigaction(SIGTERM, &action, &old_term_);
+  }
+  ~StopSignals() {
+    sigaction(SIGINT, &old_int_, nullptr);
+    sigaction(SIGTERM, &old_term_, nullptr);
+  }
+
+ private:
+  struct sigaction old_int_ {
+  }, old_term_{};
+};
+
+class Driver {
+ public:
+  Driver(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
+         const DriveOptions& options)
+      : control_(segment),
+        children_(children),
+        prepared_(prepared),
+        collector_(collector),
+        options_(options),
+        progress_(options.quiet),
+        start_(Clock::now()) {
+    if (prepared.fluid) roles_.push_back(Role::kFluid);
+    if (prepared.rigid) roles_.push_back(Role::kRigid);
+  }
+
+  Outcome run() {
+    grant();
+    while (!all_ended()) {
+      control_.wait_for_news(kNap);
+      children_.poll();
+      if (!look()) break;
+      grant();
+      react_to_signals();
+      show();
+      bool fine = true;
+      for (Role role : roles_) fine = alive_or_finished(role) && fine;  // each must get its say in the message
+      if (!fine) break;
+    }
+    finish();
+    return std::move(outcome_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  bool all_ended() const {
+    return std::ranges::all_of(roles_, [this](Role r) { return control_.state(r) == PeerState::kFinished; });
+  }
+
+  void fail(int code, const std::string& message) {
+    if (outcome_.exit == kFine) outcome_.exit = code;
+    outcome_.message += (outcome_.message.empty() ? "" : "\n") + message;
+  }
+
+  /// Takes what has come in. False: it was wrong, and the run must end.
+  bool look() {
+    for (Role role : roles_) {
+      frames_.clear();
+      Status drained = control_.drain(role, frames_);
+      for (std::size_t i = 0; drained && i < frames_.size(); ++i) drained = collector_.take(role, frames_[i]);
+      if (!drained) {
+        fail(kProcessFailed, drained.error().text());
+        return false;
+      }
+      if (!frames_.empty()) outcome_.wall_s = elapsed();
+    }
+    return true;
+  }
+
+  void grant() {
+    if (stopping_) return;
+    if (const auto credit = next_credit(granted_, collector_.reported(), kRunAhead)) {
+      granted_ = *credit;
+      control_.grant(granted_);
+    }
+  }
+
+  void react_to_signals() {
+    if (signals_seen == 0) return;
+    if (!stopping_) {
+      stopping_ = true;
+      outcome_.interrupted = true;
+      stop_time_ = elapsed();
+      progress_.clear();
+      fmt::print(stderr, "stopping after the step under way (once more to stop at once)\n");
+      control_.stop();
+    }
+    if (signals_seen > 1 || elapsed() - stop_time_ > kGraceAfterStop) children_.end_all();
+  }
+
+  void show() {
+    const StepTotals& totals = collector_.totals(roles_.front());
+    progress_.show({.time = totals.last.time,
+                    .duration = prepared_.scene.world.duration,
+                    .dt = totals.last.dt,
+                    .wall = elapsed(),
+                    .steps = totals.steps,
+                    .particles = totals.last.particles,
+                    .density_error = totals.last.error[0]});
+  }
+
+  /// False if the process is gone without having finished, or never came.
+  bool alive_or_finished(Role role) {
+    const PeerState state = control_.state(role);
+    if (state == PeerState::kFinished) return control_.exit_code(role) == kFine;
+    const bool gone = children_.started(role) && !children_.running(role);
+    if (gone && control_.state(role) == PeerState::kFinished) return control_.exit_code(role) == kFine;
+    if (outcome_.interrupted && gone) return false;
+    if (state == PeerState::kDead || gone) {
+      if (std::exchange(reported_dead_[static_cast<std::size_t>(role)], true)) return false;
+      std::string how = children_.how_ended(role);
+      if (how.empty()) how = "is gone";
+      fail(kProcessFailed, fmt::format("the {}{} {} at t = {:.4g} s", exchange::role_name(role),
+                                       control_.pid(role) > 0 ? fmt::format(" (pid {})", control_.pid(role)) : "", how,
+                                       collector_.totals(role).last.time));
+      return false;
+    }
+    if (state == PeerState::kAbsent && !options_.by_hand && elapsed() > kAttachTimeout) {
+      fail(kProcessFailed, fmt::format("the {} did not attach within {} s", exchange::role_name(role), kAttachTimeout));
+      return false;
+    }
+    return true;
+  }
+
+  /// Ends what still runs and reads the final reports.
+  void finish() {
+    progress_.clear();
+    control_.stop();
+    children_.wait(all_ended() ? kGraceAfterEnd : kGraceAfterDeath);
+    for (Role role : roles_) {
+      if (!children_.running(role)) alive_or_finished(role);  // names one that died unnoticed so far
+    }
+    children_.end_all();
+    look();
+    outcome_.total_s = elapsed();
+    if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
+    int worst = kFine;
+    std::string messages;
+    for (Role role : roles_) {
+      if (control_.state(role) != PeerState::kFinished) continue;
+      (role == Role::kFluid ? outcome_.fluid : outcome_.rigid) = parse(role);
+      const int code = control_.exit_code(role);
+      // A process that ends because its partner did says 5; the partner's own reason counts more.
+      if (code == kFine || (worst != kFine && code == kProcessFailed)) continue;
+      worst = code;
+      const json& report = role == Role::kFluid ? outcome_.fluid : outcome_.rigid;
+      messages = fmt::format("the {} ended with exit code {}", exchange::role_name(role), code);
+      for (const char* key : {"failure", "error"}) {
+        if (report.contains(key) && report[key].is_string()) messages = report[key].get<std::string>();
+      }
+    }
+    if (worst != kFine && outcome_.exit == kFine) fail(worst, messages);
+  }
+
+  json parse(Role role) {
+    json report = json::parse(control_.final_report(role), nullptr, false);
+    if (report.is_object()) return report;
+    fail(kProcessFailed, fmt::format("the final report of the {} is not JSON", exchange::role_name(role)));
+    return json::object();
+  }
+
+  Control control_;
+  Children& children_;
+  const Prepared& prepared_;
+  Collector& collector_;
+  DriveOptions options_;
+  Progress progress_;
+  StopSignals signals_;
+  Clock::time_point start_;
+  std::vector<Role> roles_;
+  std::vector<exchange::Frame> frames_;
+  std::uint64_t granted_ = 0;
+  bool stopping_ = false;
+  std::array<bool, 2> reported_dead_{};
+  double stop_time_ = 0;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome drive(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
+              const DriveOptions& options) {
+  return Driver(segment, children, prepared, collector, options).run();
+}
+
+}  // namespace ballast::launch

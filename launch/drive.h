@@ -1,0 +1,32 @@
+// The coordinator's loop: credit out, frames in, until both processes have finished or one has failed.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/exchange/link.h"
+#include "common/result.h"
+#include "launch/children.h"
+#include "launch/collect.h"
+#include "launch/prepare.h"
+
+namespace ballast::launch {
+
+/// How a run ended.
+struct Outcome {
+  int exit = kFine;
+  bool interrupted = false;
+  std::string message;  ///< empty if fine
+  double wall_s = 0;    ///< from the start of the processes to the last step report
+  double total_s = 0;   ///< ... to the end of both processes (pictures included)
+  nlohmann::json fluid = nlohmann::json::object(), rigid = nlohmann::json::object();  ///< final reports
+};
+
+struct DriveOptions {
+  bool by_hand = false, quiet = false;
+};
+
+/// Drives a run whose processes have been started (or will be, by hand). Ctrl-C and SIGTERM stop it in good order.
+Outcome drive(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
+              const DriveOptions& options);
+
+}  // namespace ballast::launch

@@ -1,0 +1,125 @@
+// The command line of `ballast`.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "launch/bench.h"
+#include "launch/children.h"
+#include "launch/commands.h"
+#include "launch/run.h"
+
+namespace {
+
+using namespace ballast;
+
+/// Options that every command with a scene has.
+struct SceneArguments {
+  std::string scene;
+  std::vector<std::string> sets;
+
+  void add_to(CLI::App& command) {
+    command.add_option("SCENE", scene, "scene file, or name of a scene in scenes/")->required();
+    command.add_option("--set", sets, "set a value of the scene, e.g. --set fluids.water.viscosity=0.1")
+        ->type_name("PATH=VALUE");
+  }
+};
+
+/// A bare name stands for scenes/NAME.yaml, here or in the source tree (the programs lie in its build/bin).
+std::string find_scene(const std::string& given) {
+  namespace fs = std::filesystem;
+  if (fs::exists(given)) return given;
+  const std::string named = "scenes/" + given + ".yaml";
+  if (fs::exists(named)) return named;
+  const fs::path tree = fs::path(launch::program_folder()).parent_path().parent_path();
+  for (const fs::path& path : {tree / named, tree / given}) {
+    if (fs::exists(path)) return path.lexically_proximate(fs::current_path()).string();
+  }
+  return given;
+}
+
+/// Options of `run` that are short for --set.
+struct Sugar {
+  const char* option;
+  const char* path;
+  const char* help;
+};
+constexpr Sugar kSugar[] = {
+    {"--duration", "world.duration", "simulated time, e.g. 5s"},
+    {"--spacing", "world.spacing", "particle spacing, e.g. 2cm"},
+    {"--engine", "coupling.engine", "rigid engine: ode, free_body"},
+    {"--scheme", "coupling.scheme", "coupling scheme: auto, interlinked, staggered"},
+};
+
+Overrides overrides_of(const std::vector<std::string>& sets) {
+  Overrides out;
+  for (const std::string& set : sets) {
+    const std::size_t at = set.find('=');
+    if (at == std::string::npos || at == 0) {
+      throw CLI::ValidationError("--set", "'" + set + "' is not PATH=VALUE, e.g. world.duration=2s");
+    }
+    out.emplace_back(set.substr(0, at), set.substr(at + 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Ballast: water that pushes back. Runs a particle fluid and a rigid-body engine in lockstep.\n"
+      "Exit codes: 0 fine, 2 bad input or usage, 3 an expectation missed, 4 diverged, 5 a process or the exchange "
+      "failed."};
+  app.name("ballast");
+  app.set_version_flag("--version", BALLAST_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(32);
+
+  SceneArguments arguments;
+  launch::RunOptions options;
+  std::string short_values[std::size(kSugar)];
+  bool picture = false, vtk = false;
+  CLI::App* run = app.add_subcommand("run", "simulate a scene; outputs go to out/<scene>");
+  arguments.add_to(*run);
+  for (std::size_t i = 0; i < std::size(kSugar); ++i) {
+    run->add_option(kSugar[i].option, short_values[i], kSugar[i].help)->type_name("VALUE");
+  }
+  run->add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
+  run->add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  run->add_option("--references", options.references, "folder with reference curves")->type_name("DIR");
+  run->add_flag("--picture", picture, "draw picture.png of the last state (needs povray)");
+  run->add_flag("--vtk", vtk, "write ParaView files at every output time");
+  run->add_flag("--by-hand", options.by_hand, "print the commands of the two processes instead of starting them");
+  run->add_flag("--quiet", options.quiet, "no progress, only the last five lines");
+
+  CLI::App* check = app.add_subcommand("check", "read a scene, make its bodies, say what is wrong; no simulation");
+  CLI::App* resolve = app.add_subcommand("resolve", "print the whole effective scene, defaults written out");
+  CLI::App* plan = app.add_subcommand("plan", "print which processes run, what they write, what is left out and why");
+  for (CLI::App* command : {check, resolve, plan}) arguments.add_to(*command);
+  CLI::App* schema = app.add_subcommand("schema", "print the JSON Schema of scene files");
+  std::string bench_out = "out/bench", filter;
+  CLI::App* bench = app.add_subcommand("bench", "run the benchmarks and merge their figures into DIR/bench.json");
+  bench->add_option("--out", bench_out, "folder for bench.json")->type_name("DIR")->capture_default_str();
+  bench->add_option("--filter", filter, "only programs whose name contains this");
+
+  try {
+    app.parse(argc, argv);
+    options.overrides = overrides_of(arguments.sets);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kFine : kBadInput;
+  }
+  for (std::size_t i = 0; i < std::size(kSugar); ++i) {
+    if (!short_values[i].empty()) options.overrides.emplace_back(kSugar[i].path, short_values[i]);
+  }
+  if (picture) options.overrides.emplace_back("output.picture", "true");
+  if (vtk) options.overrides.emplace_back("output.vtk", "true");
+  options.scene = find_scene(arguments.scene);
+
+  if (*run) return launch::run(options);
+  if (*check) return launch::check(options.scene, options.overrides);
+  if (*resolve) return launch::resolve(options.scene, options.overrides);
+  if (*plan) return launch::plan(options.scene, options.overrides);
+  if (*schema) return launch::schema();
+  return launch::bench(bench_out, filter);
+}

@@ -1,0 +1,123 @@
+// What a scene needs: processes, outputs, particles; and what is left out, with the reason.
+#include "launch/prepare.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ballast::launch {
+
+namespace {
+
+std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
+  std::vector<LeftOut> out;
+  if (!fluid) {
+    out.push_back({"fluid process", "no fluid in this scene", "one process with all its memory, and every exchange",
+                   "none: nothing would act on the bodies"});
+  }
+  if (!rigid) {
+    out.push_back({"rigid process", "every model is static", "one process, and every exchange", "none: nothing moves"});
+  }
+  if (fluid && rigid && !scene.coupling.contact_sets) {
+    out.push_back({"contact sets", "coupling.contact_sets is false",
+                   "one pass over the wetted samples and its messages", "none: wrenches are exact without them"});
+  }
+  if (scene.probes.empty()) out.push_back({"probes.csv", "the scene has no probes", "one file and its sums", "none"});
+  if (!scene.output.vtk) out.push_back({"ParaView files", "output.vtk is false", "two files per output time", "none"});
+  if (!scene.output.picture)
+    out.push_back({"picture.png", "output.picture is false", "one rendering at the end", "none"});
+  return out;
+}
+
+/// Is the point of the world inside the fluid's fill?
+bool in_fill(const Fluid& fluid, const Prepared& p, const Solid* mesh, std::size_t container, const Vec3& x) {
+  switch (fluid.fill.kind) {
+    case FillKind::kBox:
+      return true;  // the samples are drawn inside the box
+    case FillKind::kMesh:
+      return mesh->distance(fluid.fill.pose.rotation.conjugate() * (x - fluid.fill.pose.position)) < 0;
+    case FillKind::kLevel: {
+      const Pose& pose = p.bodies[container].pose;
+      return x.z() < fluid.fill.level &&
+             p.bodies[container].solid.room_distance(pose.rotation.conjugate() * (x - pose.position)) < 0;
+    }
+  }
+  return false;
+}
+
+/// World box around a posed local box.
+Box3 posed(const Box3& local, const Pose& pose) {
+  Eigen::AlignedBox3d box;
+  for (int c = 0; c < 8; ++c) {
+    const Vec3 corner((c & 1) ? local.max.x() : local.min.x(), (c & 2) ? local.max.y() : local.min.y(),
+                      (c & 4) ? local.max.z() : local.min.z());
+    box.extend(pose.position + pose.rotation * corner);
+  }
+  return {box.min(), box.max()};
+}
+
+double fill_volume(const Fluid& fluid, const Prepared& p) {
+  const bool flat = p.scene.world.dimension == 2;
+  std::size_t container = 0;
+  Box3 box = fluid.fill.box;
+  std::optional<Solid> mesh;
+  if (fluid.fill.kind == FillKind::kMesh) {
+    Shape shape;
+    shape.kind = ShapeKind::kMesh;
+    shape.mesh = fluid.fill.mesh;
+    shape.scale = fluid.fill.scale;
+    auto made = Solid::make(shape, p.scene.world.dimension, p.scene.world.spacing, false);
+    if (!made) return 0;
+    mesh.emplace(std::move(*made));
+    box = posed(mesh->bounds(), fluid.fill.pose);
+  } else if (fluid.fill.kind == FillKind::kLevel) {
+    const auto found = std::ranges::find(p.scene.models, fluid.fill.container, &Model::name);
+    if (found == p.scene.models.end()) return 0;
+    container = static_cast<std::size_t>(found - p.scene.models.begin());
+    box = posed(p.bodies[container].solid.bounds(), p.bodies[container].pose);
+    box.max.z() = std::min(box.max.z(), fluid.fill.level);
+  }
+  Vec3 size = box.max - box.min;
+  if (flat) size.y() = 1;
+  if (size.minCoeff() <= 0) return 0;
+  const double step = flat ? std::sqrt(size.x() * size.z() / 60000) : std::cbrt(size.prod() / 60000);
+  const auto cells = [&](double edge) { return std::max(1, static_cast<int>(std::lround(edge / step))); };
+  const int nx = cells(size.x()), ny = flat ? 1 : cells(size.y()), nz = cells(size.z());
+  long inside = 0;
+  for (int i = 0; i < nx * ny * nz; ++i) {
+    const Vec3 at((i % nx + 0.5) / nx, (i / nx % ny + 0.5) / ny, (i / nx / ny + 0.5) / nz);
+    Vec3 x = box.min + at.cwiseProduct(size);
+    if (flat) x.y() = 0;
+    if (!in_fill(fluid, p, mesh ? &*mesh : nullptr, container, x)) continue;
+    const bool in_body = std::ranges::any_of(p.bodies, [&](const Body& body) {
+      return body.solid.distance(body.pose.rotation.conjugate() * (x - body.pose.position)) < 0;
+    });
+    if (!in_body) ++inside;
+  }
+  return size.prod() * static_cast<double>(inside) / (static_cast<double>(nx) * ny * nz);
+}
+
+}  // namespace
+
+double estimate_particles(const Prepared& prepared) {
+  double volume = 0;
+  for (const Fluid& fluid : prepared.scene.fluids) volume += fill_volume(fluid, prepared);
+  return volume / std::pow(prepared.scene.world.spacing, prepared.scene.world.dimension);
+}
+
+Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrides) {
+  auto scene = read_scene(scene_file, overrides);
+  if (!scene) return scene.error();
+  auto bodies = make_bodies(*scene);
+  if (!bodies) return bodies.error();
+  Prepared out{std::move(*scene), std::move(*bodies), false, false, {}};
+  out.fluid = !out.scene.fluids.empty();
+  out.rigid = std::ranges::any_of(out.scene.models, [](const Model& m) { return m.motion != Motion::kStatic; });
+  if (!out.fluid && !out.rigid) {
+    return Error{"there is nothing to simulate: no fluid and no model that moves",
+                 "add a fluid or a model that is not static", scene_file};
+  }
+  out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
+  return out;
+}
+
+}  // namespace ballast::launch

@@ -1,0 +1,32 @@
+// From a scene file to what a run needs and what it can do without.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "common/geometry/bodies.h"
+#include "common/result.h"
+#include "common/scene/reader.h"
+#include "common/scene/scene.h"
+
+namespace ballast::launch {
+
+/// A part that this scene does without.
+struct LeftOut {
+  std::string what, why, saved, difference;
+};
+
+struct Prepared {
+  Scene scene;
+  std::vector<Body> bodies;
+  bool fluid = false, rigid = false;  ///< which processes take part
+  std::vector<LeftOut> left_out;
+};
+
+/// Reads and checks a scene and makes its bodies. A scene without fluid and without moving bodies is an error.
+Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrides);
+
+/// Particles that the fills will hold, by sampling (to about 1 %): fill volume less the bodies in it, over
+/// spacing^dimension.
+double estimate_particles(const Prepared& prepared);
+
+}  // namespace ballast::launch

@@ -1,0 +1,264 @@
+// Merging two final reports and the coordinator's own sums into one record. Missing keys stay missing: no number is
+// invented.
+#include "launch/record.h"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "common/scene/reader.h"
+
+namespace ballast::launch {
+
+using exchange::Role;
+using nlohmann::json;
+
+namespace {
+
+/// What `from` has under `key`, or null.
+json get(const json& from, const char* key) {
+  return from.is_object() && from.contains(key) ? from[key] : json(nullptr);
+}
+
+std::optional<std::array<double, 3>> vector_of(const json& from, const char* key) {
+  const json value = get(get(from, "ledger"), key);
+  if (!value.is_array() || value.size() != 3) return std::nullopt;
+  return std::array<double, 3>{value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+std::string machine() {
+  std::string cpu = "unknown processor";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    cpu = line.substr(line.find(':') + 2);
+    break;
+  }
+  utsname name{};
+  uname(&name);
+  return fmt::format("{}, {} cores, {} {}", cpu, std::thread::hardware_concurrency(), name.sysname, name.release);
+}
+
+/// One hash of particles and bodies: FNV-1a over the two hexadecimal hashes.
+json joined_hash(const json& fluid, const json& rigid) {
+  const json f = get(fluid, "state_hash"), r = get(rigid, "state_hash");
+  if (!f.is_string()) return r;
+  if (!r.is_string()) return f;
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (char c : f.get<std::string>() + r.get<std::string>())
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return fmt::format("{:016x}", hash);
+}
+
+json merged_ledger(const json& fluid, const json& rigid) {
+  json out = json::object();
+  for (const json* report : {&fluid, &rigid}) {
+    const json part = get(*report, "ledger");
+    if (part.is_object()) out.update(part, true);
+  }
+  const auto given = vector_of(fluid, "momentum_to_bodies_N_s"), received = vector_of(rigid, "momentum_received_N_s");
+  if (given) out["momentum_to_bodies_N_s"] = *given;
+  if (received) out["momentum_from_fluid_N_s"] = *received;
+  out.erase("momentum_received_N_s");
+  const auto imbalance = momentum_imbalance(fluid, rigid);
+  out["imbalance_relative"] = imbalance ? json(*imbalance) : json(nullptr);
+  return out;
+}
+
+json merged_stages(const json& fluid, const json& rigid) {
+  json out = json::object();
+  const json f = get(fluid, "stages"), r = get(rigid, "stages");
+  if (f.is_object()) out.update(f);
+  if (!r.is_object()) return out;
+  for (const auto& [name, seconds] : r.items()) out["rigid." + name] = seconds;
+  return out;
+}
+
+json merged_error(const json& fluid, const StepTotals& totals, bool has_fluid) {
+  json out = get(fluid, "error");
+  if (!out.is_object()) out = json::object();
+  if (has_fluid && totals.steps > 0) {
+    if (!out.contains("density_mean"))
+      out["density_mean"] = totals.density_mean_sum / static_cast<double>(totals.steps);
+    const char* names[] = {"density_mean", "density_max", "pressure_residual", "interface_residual"};
+    for (std::size_t k = 1; k < 4; ++k) {
+      if (!out.contains(names[k])) out[names[k]] = totals.max_error[k];
+    }
+  }
+  return out;
+}
+
+void add_lists(json& record, const Prepared& prepared, const Outcome& outcome, const Collector& collector,
+               const std::vector<Verdict>& verdicts) {
+  record["expect"] = json::array();
+  for (const Verdict& v : verdicts) record["expect"].push_back(v.json());
+  record["left_out"] = json::array();
+  for (const LeftOut& l : prepared.left_out) {
+    record["left_out"].push_back({{"what", l.what}, {"why", l.why}, {"saved", l.saved}, {"difference", l.difference}});
+  }
+  record["warnings"] = collector.warnings();
+  for (const json* report : {&outcome.fluid, &outcome.rigid}) {
+    for (const json& item : get(*report, "left_out").is_array() ? (*report)["left_out"] : json::array()) {
+      record["left_out"].push_back(item);
+    }
+    for (const json& item : get(*report, "warnings").is_array() ? (*report)["warnings"] : json::array()) {
+      if (std::ranges::find(record["warnings"], item) == record["warnings"].end()) record["warnings"].push_back(item);
+    }
+  }
+}
+
+std::string bytes_text(const json& bytes) {
+  return bytes.is_number() ? fmt::format("{:.0f} MB", bytes.get<double>() / 1e6) : "unknown";
+}
+
+std::string percent(const json& value) {
+  return value.is_number() ? fmt::format("{:.3g} %", 100 * value.get<double>()) : "none";
+}
+
+std::string number_text(const json& value, const char* format) {
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "unknown";
+}
+
+const char* exit_text(int code) {
+  switch (code) {
+    case kFine:
+      return "fine";
+    case kBadInput:
+      return "bad input";
+    case kExpectationMissed:
+      return "an expectation was missed";
+    case kDiverged:
+      return "the simulation diverged";
+    default:
+      return "a process or the exchange failed";
+  }
+}
+
+std::string bound_text(const json& bound) {
+  if (bound.is_array()) return fmt::format("{:.4g} .. {:.4g}", bound[0].get<double>(), bound[1].get<double>());
+  return bound.is_number() ? fmt::format("bound {:.4g}", bound.get<double>()) : "no bound";
+}
+
+std::string expectations_text(const json& expects) {
+  if (expects.empty()) return "no expectations";
+  constexpr std::size_t kShown = 3;  // the record has all; those missed are listed above the last lines
+  std::size_t met = 0, missing = 0, shown = 0;
+  std::string values;
+  for (const json& e : expects) {
+    if (e["pass"].is_null()) {
+      ++missing;
+    } else if (e["pass"].get<bool>()) {
+      ++met;
+    }
+    if (shown++ >= kShown) continue;
+    values += fmt::format("{}{} {} ({})", values.empty() ? ": " : ", ", e["name"].get<std::string>(),
+                          number_text(e["value"], "{:.4g}"), bound_text(e["bound"]));
+  }
+  if (expects.size() > kShown) values += fmt::format(", {} more", expects.size() - kShown);
+  std::string text = fmt::format("expectations {} of {} met", met, expects.size());
+  if (missing > 0) text += fmt::format(" ({} without reference)", missing);
+  return text + values;
+}
+
+}  // namespace
+
+std::optional<double> momentum_imbalance(const json& fluid, const json& rigid) {
+  const auto given = vector_of(fluid, "momentum_to_bodies_N_s"), received = vector_of(rigid, "momentum_received_N_s");
+  const json scale = get(get(fluid, "ledger"), "momentum_scale");
+  if (!given || !received || !scale.is_number()) return std::nullopt;
+  double difference = 0;
+  for (std::size_t k = 0; k < 3; ++k) difference = std::hypot(difference, (*given)[k] - (*received)[k]);
+  if (difference == 0) return 0.0;
+  return scale.get<double>() > 0 ? difference / scale.get<double>() : std::optional<double>();
+}
+
+json make_record(const Prepared& prepared, const Outcome& outcome, const Collector& collector,
+                 const std::vector<Verdict>& verdicts, int threads) {
+  const Scene& scene = prepared.scene;
+  const json &fluid = outcome.fluid, &rigid = outcome.rigid;
+  const StepTotals& totals = collector.totals(prepared.fluid ? Role::kFluid : Role::kRigid);
+  const StepTotals& rigid_totals = collector.totals(Role::kRigid);
+  json record;
+  record["scene"] = scene.name;
+  record["scene_hash"] = fmt::format("{:016x}", scene_hash(scene));
+  record["version"] = BALLAST_VERSION;
+  record["machine"] = machine();
+  record["threads"] = get(fluid, "threads").is_number() ? get(fluid, "threads") : json(threads);
+  record["engine"] = prepared.rigid ? json(scene.coupling.engine) : json(nullptr);
+  if (get(rigid, "engine").is_string()) record["engine_details"] = get(rigid, "engine");
+  const json scheme = get(fluid, "scheme");
+  record["scheme"] = scheme.is_string()                 ? scheme
+                     : prepared.fluid && prepared.rigid ? json(scene.coupling.scheme)
+                                                        : json(nullptr);
+  if (!get(fluid, "scheme_reason").is_null()) record["scheme_reason"] = get(fluid, "scheme_reason");
+  record["has_fluid"] = prepared.fluid;
+  record["exit"] = outcome.exit;
+  record["interrupted"] = outcome.interrupted;
+  if (!outcome.message.empty()) record["message"] = outcome.message;
+  record["simulated_s"] = totals.last.time;
+  record["wall_s"] = outcome.wall_s;
+  record["total_s"] = outcome.total_s;
+  record["real_time_factor"] = outcome.wall_s > 0 ? json(totals.last.time / outcome.wall_s) : json(nullptr);
+  record["steps"] = totals.steps;
+  record["particles"] = get(fluid, "particles");
+  const json count = get(record["particles"], "fluid");
+  record["particle_steps_per_s"] = count.is_number() && outcome.wall_s > 0
+                                       ? json(count.get<double>() * static_cast<double>(totals.steps) / outcome.wall_s)
+                                       : json(nullptr);
+  record["rss_bytes"] = {{"fluid", get(fluid, "rss_bytes")}, {"rigid", get(rigid, "rss_bytes")}};
+  record["bodies"] = scene.models.size();
+  record["state_hash"] = joined_hash(fluid, rigid);
+  record["error"] = merged_error(fluid, totals, prepared.fluid);
+  record["ledger"] = merged_ledger(fluid, rigid);
+  record["stages"] = merged_stages(fluid, rigid);
+  // What the exchange costs: the fluid waits while the engine computes; the rest of its waiting is the exchange's own.
+  record["exchange_s"] =
+      prepared.fluid && prepared.rigid ? json(std::max(0.0, totals.wait_s - rigid_totals.compute_s)) : json(0.0);
+  record["step_limits"] = get(fluid, "step_limits");
+  add_lists(record, prepared, outcome, collector, verdicts);
+  for (const auto& [side, report] : {std::pair{"fluid_process", &fluid}, std::pair{"rigid_process", &rigid}}) {
+    for (const auto& [key, value] : report->items()) {
+      if (!record.contains(key)) record[side][key] = value;  // what only this side knows
+    }
+  }
+  return record;
+}
+
+std::vector<std::string> summary_lines(const json& r, const std::string& out_dir) {
+  const json particles = get(r, "particles");
+  std::string parts = r["engine"].is_string() ? "engine " + r["engine"].get<std::string>() : "no engine";
+  if (r["scheme"].is_string()) parts += ", scheme " + r["scheme"].get<std::string>();
+  std::string speed = fmt::format("simulated {:.4g} s in {:.3g} s ({} x real time), {} steps",
+                                  r["simulated_s"].get<double>(), r["wall_s"].get<double>(),
+                                  number_text(r["real_time_factor"], "{:.3g}"), r["steps"].get<std::uint64_t>());
+  if (r["particle_steps_per_s"].is_number())
+    speed += ", " + number_text(r["particle_steps_per_s"], "{:.3g}") + " particle-steps/s";
+  std::string size =
+      particles.is_object()
+          ? fmt::format("{} particles, {} samples of solids, {} lost, {} bodies; memory: fluid {}, rigid {}",
+                        number_text(get(particles, "fluid"), "{:.0f}"),
+                        number_text(get(particles, "boundary"), "{:.0f}"),
+                        number_text(get(particles, "lost"), "{:.0f}"), r["bodies"].get<std::size_t>(),
+                        bytes_text(r["rss_bytes"]["fluid"]), bytes_text(r["rss_bytes"]["rigid"]))
+          : fmt::format("{} particles, {} bodies; memory: rigid {}", r["has_fluid"].get<bool>() ? "unknown" : "no",
+                        r["bodies"].get<std::size_t>(), bytes_text(r["rss_bytes"]["rigid"]));
+  std::string errors = r["has_fluid"].get<bool>() ? "density error unknown" : "no fluid, no density error";
+  if (particles.is_object()) {
+    errors = fmt::format("density error {} (largest {})", percent(get(r["error"], "density_mean")),
+                         percent(get(r["error"], "density_max")));
+  }
+  if (r["ledger"]["imbalance_relative"].is_number()) {
+    errors += fmt::format(", momentum imbalance {:.2g}", r["ledger"]["imbalance_relative"].get<double>());
+  }
+  errors += "; " + expectations_text(r["expect"]);
+  const int code = r["exit"].get<int>();
+  return {fmt::format("{}: {}; exit {} ({})", r["scene"].get<std::string>(), parts, code, exit_text(code)),
+          std::move(speed), std::move(size), std::move(errors), "outputs in " + out_dir};
+}
+
+}  // namespace ballast::launch

@@ -1,0 +1,212 @@
+// One run from beginning to end: prepare, share, start, drive, judge, record.
+#include "launch/run.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/output/columns.h"
+#include "common/output/picture.h"
+#include "common/output/vtk.h"
+#include "common/output/whole_file.h"
+#include "launch/children.h"
+#include "launch/collect.h"
+#include "launch/drive.h"
+#include "launch/expect.h"
+#include "launch/prepare.h"
+#include "launch/record.h"
+
+namespace ballast::launch {
+
+namespace fs = std::filesystem;
+using exchange::Role;
+using exchange::Segment;
+
+namespace {
+
+int fail(const Error& error) {
+  fmt::print(stderr, "ballast: {}\n", error.text());
+  return error.exit_code;
+}
+
+/// Makes the folder and removes what an earlier run left there under the names that this run writes.
+Result<std::string> make_out_dir(const std::string& wanted, const std::string& scene) {
+  std::error_code failed;
+  const fs::path dir = fs::absolute(wanted.empty() ? fs::path("out") / scene : fs::path(wanted)).lexically_normal();
+  fs::create_directories(dir, failed);
+  if (failed)
+    return Error{"cannot make folder " + dir.string() + ": " + failed.message(), "choose another one with --out", ""};
+  for (const char* name : {"record.json", "bodies.csv", "probes.csv", "picture.png", "picture.pov"}) {
+    fs::remove(dir / name, failed);
+    fs::remove(dir / (std::string(name) + ".part"), failed);
+  }
+  for (fs::directory_iterator it(dir / "vtk", failed), end; !failed && it != end; it.increment(failed)) {
+    const std::string name = it->path().filename().string();
+    if (name.ends_with(".vtp") || name.ends_with(".pvd")) fs::remove(it->path(), failed);
+  }
+  return dir.string();
+}
+
+std::vector<std::string> reference_folders(const std::vector<std::string>& asked) {
+  if (!asked.empty()) return asked;
+  // The programs lie in build/bin of the source tree.
+  const fs::path tree = fs::path(program_folder()).parent_path().parent_path();
+  return {"tests/validation/reference", "../shared/reference", (tree / "tests/validation/reference").string(),
+          (tree.parent_path() / "shared/reference").string()};
+}
+
+std::string log_of(Role role, const std::string& out_dir) {
+  return out_dir + (role == Role::kFluid ? "/fluid_server.log" : "/rigid_client.log");
+}
+
+/// Shows what a process printed, unless the coordinator says it anyway, and removes the file.
+void show_log(Role role, const std::string& out_dir, const std::string& message) {
+  std::ifstream file(log_of(role, out_dir));
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    const bool repeated = message.find(colon == std::string::npos ? line : line.substr(colon + 2)) != std::string::npos;
+    if (!line.empty() && !repeated) fmt::print(stderr, "{}\n", line);
+  }
+  fs::remove(log_of(role, out_dir));
+}
+
+Command command_for(Role role, const std::string& segment, const Prepared& prepared, int threads) {
+  const std::string folder = program_folder();
+  if (role == Role::kRigid)
+    return {folder + "/rigid_client", {"--attach", segment, "--engine", prepared.scene.coupling.engine}, {}, {}};
+  // Idle threads of the pool must not spin: they would starve the rigid process between the fluid's steps.
+  Command command{folder + "/fluid_server", {"--attach", segment}, {{"GOMP_SPINCOUNT", "1000"}}, {}};
+  if (threads > 0) command.environment.emplace_back("OMP_NUM_THREADS", std::to_string(threads));
+  return command;
+}
+
+Status start_or_print(Children& children, const Prepared& prepared, const std::string& segment,
+                      const RunOptions& options, const std::string& out_dir) {
+  if (options.by_hand) fmt::print("Type each of these in a terminal of its own; the run starts when they are there.\n");
+  for (Role role : {Role::kFluid, Role::kRigid}) {
+    if (!(role == Role::kFluid ? prepared.fluid : prepared.rigid)) continue;
+    Command command = command_for(role, segment, prepared, options.threads);
+    command.log = log_of(role, out_dir);
+    if (options.by_hand) {
+      fmt::print("  {}\n", command.line());
+    } else if (Status s = children.start(role, command); !s) {
+      return s;
+    }
+  }
+  std::fflush(stdout);
+  return ok();
+}
+
+/// Poses of all bodies at a row of the rows of bodies.
+std::vector<Pose> poses_at(const Prepared& prepared, const Table& rows, std::size_t row) {
+  std::vector<Pose> out;
+  for (const Body& body : prepared.bodies) out.push_back(body.pose);
+  const std::vector<int> moving = output::moving_models(prepared.scene);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const std::size_t c = i * output::kBodyValues;
+    out[static_cast<std::size_t>(moving[i])] = {
+        {rows.at(row, c), rows.at(row, c + 1), rows.at(row, c + 2)},
+        {rows.at(row, c + 3), rows.at(row, c + 4), rows.at(row, c + 5), rows.at(row, c + 6)}};
+  }
+  return out;
+}
+
+/// Picture and ParaView files of a run without fluid; the fluid process makes them in all others.
+void draw_dry(const Prepared& prepared, const Table& rows, const std::string& out_dir, int threads) {
+  if (rows.rows() == 0) return;
+  const auto warn = [](const Status& s) {
+    if (!s) fmt::print(stderr, "ballast: warning: {}\n", s.error().text());
+  };
+  if (prepared.scene.output.vtk) {
+    output::VtkSeries series(out_dir + "/vtk");
+    for (std::size_t row = 0; row < rows.rows(); ++row) {
+      warn(series.add(rows.times[row], {}, prepared.bodies, poses_at(prepared, rows, row)));
+    }
+  }
+  if (prepared.scene.output.picture) {
+    warn(output::make_picture(out_dir, prepared.scene, prepared.bodies, poses_at(prepared, rows, rows.rows() - 1), {},
+                              threads));
+  }
+}
+
+/// Judges, writes the record, prints the end of the run.
+int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, const RunOptions& options,
+             const std::string& out_dir) {
+  if (Status s = collector.close(); !s && outcome.exit == kFine) {
+    outcome.exit = kProcessFailed;
+    outcome.message = s.error().text();
+  }
+  const Evidence evidence{prepared.scene,
+                          prepared.bodies,
+                          collector.bodies(),
+                          collector.probes(),
+                          outcome.fluid,
+                          outcome.rigid,
+                          momentum_imbalance(outcome.fluid, outcome.rigid),
+                          reference_folders(options.references)};
+  const std::vector<Verdict> verdicts = judge(evidence);
+  for (const Verdict& v : verdicts) {
+    if (v.reference_missing) {
+      fmt::print("not judged: {}: reference not installed (--references DIR)\n", v.name);
+    } else if (!v.pass) {
+      fmt::print("MISSED: {}: {:.6g}, bound {}{}\n", v.name, v.value, v.bound_text(),
+                 v.note.empty() ? "" : " (" + v.note + ")");
+      if (outcome.exit == kFine) outcome.exit = kExpectationMissed;
+    }
+  }
+  if (!prepared.fluid) draw_dry(prepared, collector.bodies(), out_dir, options.threads);
+  const nlohmann::json record = make_record(prepared, outcome, collector, verdicts, options.threads);
+  for (const auto& warning : record["warnings"])
+    fmt::print(stderr, "ballast: warning: {}\n", warning.get<std::string>());
+  if (Status s = output::write_whole(out_dir + "/record.json", record.dump(2) + "\n"); !s) return fail(s.error());
+  std::string files = "record.json";
+  for (const char* name : {"bodies.csv", "probes.csv", "picture.png", "vtk"}) {
+    if (fs::exists(fs::path(out_dir) / name)) files += std::string(", ") + name;
+  }
+  fs::path shown = fs::path(out_dir).lexically_proximate(fs::current_path());
+  if (!outcome.message.empty()) fmt::print(stderr, "ballast: {}\n", outcome.message);
+  for (Role role : {Role::kFluid, Role::kRigid}) show_log(role, out_dir, outcome.message);
+  std::fflush(stderr);
+  for (const std::string& line : summary_lines(record, fmt::format("{} ({})", shown.string(), files)))
+    fmt::print("{}\n", line);
+  return outcome.exit;
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  auto prepared = prepare(options.scene, options.overrides);
+  if (!prepared) return fail(prepared.error());
+  auto out_dir = make_out_dir(options.out, prepared->scene.name);
+  if (!out_dir) return fail(out_dir.error());
+  for (const std::string& name : Segment::remove_stale()) {
+    fmt::print(stderr, "ballast: removed /dev/shm/{}, left by a run that was killed\n", name);
+  }
+  if (!options.quiet) {
+    for (const LeftOut& l : prepared->left_out) {
+      if (l.what.ends_with("process")) fmt::print("{}: no {}\n", l.why, l.what);
+    }
+    std::fflush(stdout);
+  }
+  auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, *out_dir);
+  if (!collector) return fail(collector.error());
+
+  exchange::SegmentPlan plan;
+  plan.manifest = make_manifest(prepared->scene, prepared->bodies);
+  plan.scene_text = print_scene(prepared->scene);
+  plan.out_dir = *out_dir;
+  plan.threads = static_cast<std::uint32_t>(options.threads);
+  plan.fluid = prepared->fluid;
+  plan.rigid = prepared->rigid;
+  const std::string name = Segment::make_name();
+  auto segment = Segment::create(name, plan);
+  if (!segment) return fail(segment.error());
+
+  Children children;
+  if (Status s = start_or_print(children, *prepared, name, options, *out_dir); !s) return fail(s.error());
+  Outcome outcome = drive(*segment, children, *prepared, *collector, {options.by_hand, options.quiet});
+  return conclude(*prepared, outcome, *collector, options, *out_dir);
+}
+
+}  // namespace ballast::launch

@@ -1,0 +1,23 @@
+// `ballast run`: one scene from file to outputs, with an exit code that says how it went.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "common/scene/reader.h"
+
+namespace ballast::launch {
+
+struct RunOptions {
+  std::string scene;
+  Overrides overrides;
+  std::string out;                      ///< folder for outputs; empty: out/<scene>
+  int threads = 0;                      ///< of the fluid process; 0: all cores
+  bool by_hand = false;                 ///< print the commands of the two processes instead of starting them
+  bool quiet = false;                   ///< no progress
+  std::vector<std::string> references;  ///< folders with reference curves; empty: the usual places
+};
+
+/// Runs and prints; returns the exit code.
+int run(const RunOptions& options);
+
+}  // namespace ballast::launch

@@ -1,0 +1,199 @@
+// The loop of the rigid process. One step reads: receive, (restore,) save, apply, step, read, answer, report.
+#include "rigid_client/client.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "common/exchange/hash.h"
+#include "rigid_client/client_report.h"
+#include "rigid_client/engine.h"
+
+namespace ballast::rigid {
+
+namespace {
+
+using exchange::Order;
+
+/// Seconds since its making.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+class Client {
+ public:
+  Client(exchange::Segment& segment, std::unique_ptr<Engine> engine)
+      : link_(segment), manifest_(segment.manifest()), engine_(std::move(engine)), report_(manifest_) {}
+
+  Status run(bool coupled) {
+    Stopwatch watch;
+    if (auto loaded = engine_->load(manifest_); !loaded) return loaded;
+    states_.resize(manifest_.bodies.size());
+    wrenches_.assign(states_.size(), exchange::Wrench{});
+    look();
+    timing_.start_s = watch.seconds();
+    if (auto begun = report_.begin(link_, states_); !begun) return begun;
+    return coupled ? follow() : run_alone();
+  }
+
+  Status finish(const Status& outcome) {
+    Status sent = outcome ? flush() : ok();
+    if (sent) sent = report_.last(link_);
+    const Status& end = outcome ? sent : outcome;
+    timing_.waiting_s = link_.seconds_waited();
+    timing_.wall_s = wall_.seconds();
+    const std::string text = report_.json(engine_->describe(), timing_, end ? "" : end.error().text());
+    if (auto given = link_.finish(end ? kFine : end.error().exit_code, text); !given) return given;
+    return end;
+  }
+
+ private:
+  /// Lockstep with the fluid. A step counts when the next order comes or the fluid has finished: until then it may be
+  /// taken back, the last one too.
+  Status follow() {
+    exchange::Answer answer{};
+    answer.max_dt = std::numeric_limits<double>::infinity();
+    answer.hash = exchange::state_hash(states_);
+    if (auto sent = link_.send(answer, states_); !sent) return sent;
+    for (;;) {
+      const double waited = link_.seconds_waited();
+      auto order = link_.receive(wrenches_, contacts_);
+      if (!order) return order.error();
+      if (order->flags & exchange::kEnd) return ok();
+      if (order->flags & exchange::kRollBack) {
+        if (auto restored = engine_->restore(saved_); !restored) return restored;
+        look();
+        has_pending_ = false;
+      }
+      engine_->save(saved_);
+      if (auto stepped = advance(order->step, order->iteration, order->time, order->dt); !stepped) return stepped;
+      next_.report.wall_wait = link_.seconds_waited() - waited;
+      answer.step = order->step;
+      answer.iteration = order->iteration;
+      answer.time = next_.report.time;
+      answer.hash = next_.report.hash;
+      if (auto sent = link_.send(answer, states_); !sent) return sent;
+      if (auto sent = flush(); !sent) return sent;
+      keep();
+      if (order->contacts_lost > 0)
+        report_.warn(link_, "contact patches were merged since their ring was full; wrenches are exact");
+    }
+  }
+
+  Status run_alone() {
+    const double dt = manifest_.world->rigid_step, duration = manifest_.world->duration;
+    const auto steps = static_cast<std::uint64_t>(std::ceil(duration / dt * (1 - 1e-12)));
+    for (std::uint64_t step = 1; step <= steps; ++step) {
+      const double waited = link_.seconds_waited();
+      auto credit = link_.await_credit(step);
+      if (!credit) return credit.error();
+      if (!*credit) return ok();
+      const double time = static_cast<double>(step - 1) * dt;
+      const double rest = duration - time;
+      const double length = rest < dt * (1 - 1e-9) ? rest : dt;
+      if (auto stepped = advance(step, 0, time, length); !stepped) return stepped;
+      next_.report.wall_wait = link_.seconds_waited() - waited;
+      keep();
+      if (auto sent = flush(); !sent) return sent;
+    }
+    return ok();
+  }
+
+  /// One exchange step: the wrenches act throughout, in as many engine steps as the scene asks for.
+  Status advance(std::uint64_t step, std::uint32_t iteration, double time, double dt) {
+    Stopwatch watch;
+    const std::vector<exchange::BodyState> before = states_;
+    engine_->apply(wrenches_);
+    const std::uint32_t substeps = std::max(1u, manifest_.world->substeps);
+    for (std::uint32_t i = 0; i < substeps; ++i) {
+      link_.beat();
+      if (auto stepped = engine_->step(time + dt * i / substeps, dt / substeps); !stepped) return stepped;
+    }
+    timing_.engine_s += watch.seconds();
+    look();
+    if (substeps > 1) mean_acceleration(before, dt);
+    exchange::StepReport& r = next_.report;
+    r = exchange::StepReport{};
+    r.step = step;
+    r.iteration = iteration;
+    r.time = time + dt;
+    r.dt = dt;
+    r.hash = exchange::state_hash(states_);
+    r.wall_compute = watch.seconds();
+    return ok();
+  }
+
+  void look() {
+    Stopwatch watch;
+    engine_->read(states_);
+    engine_->mobility(states_);
+    timing_.read_s += watch.seconds();
+  }
+
+  void mean_acceleration(const std::vector<exchange::BodyState>& before, double dt) {
+    for (std::size_t b = 0; b < states_.size(); ++b) {
+      for (int k = 0; k < 3; ++k) {
+        states_[b].acceleration[k] = (states_[b].velocity[k] - before[b].velocity[k]) / dt;
+        states_[b].acceleration[3 + k] = (states_[b].angular_velocity[k] - before[b].angular_velocity[k]) / dt;
+      }
+    }
+  }
+
+  /// Keeps the step just done for its report.
+  void keep() {
+    next_.states = states_;
+    next_.wrenches = wrenches_;
+    next_.contacts = contacts_.size();
+    next_.force_mismatch = force_mismatch(wrenches_, contacts_);
+    std::swap(pending_, next_);
+    has_pending_ = true;
+  }
+
+  /// Reports the step kept before, which can no longer be taken back.
+  Status flush() {
+    if (!has_pending_) return ok();
+    Stopwatch watch;
+    has_pending_ = false;
+    const Status sent = report_.accept(link_, pending_);
+    timing_.report_s += watch.seconds();
+    return sent;
+  }
+
+  Stopwatch wall_;
+  exchange::RigidLink link_;
+  exchange::ManifestView manifest_;
+  std::unique_ptr<Engine> engine_;
+  ClientReport report_;
+  ClientReport::Timing timing_;
+  std::vector<exchange::BodyState> states_;
+  std::vector<exchange::Wrench> wrenches_;
+  std::vector<exchange::Contact> contacts_;
+  std::vector<std::byte> saved_;
+  StepRecord next_, pending_;
+  bool has_pending_ = false;  ///< pending_ holds a step that is not reported yet
+};
+
+Status fail(exchange::Segment& segment, const Error& error) {
+  exchange::RigidLink link(segment);
+  const std::string text = ClientReport(segment.manifest()).json("none", {}, error.text());
+  if (auto given = link.finish(error.exit_code, text); !given) return given;
+  return error;
+}
+
+}  // namespace
+
+Status serve(exchange::Segment& segment, const std::string& engine_name) {
+  auto engine = make_engine(engine_name);
+  if (!engine) return fail(segment, engine.error());
+  Client client(segment, *std::move(engine));
+  return client.finish(client.run(segment.has(exchange::Role::kFluid)));
+}
+
+}  // namespace ballast::rigid

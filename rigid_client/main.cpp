@@ -1,0 +1,30 @@
+// rigid_client --attach NAME [--engine ode]: the rigid process of a run whose segment exists.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+
+#include "rigid_client/client.h"
+#include "rigid_client/engine.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "The rigid process of a Ballast run. Normally started by `ballast run`; by hand with `ballast run --by-hand`."};
+  std::string name, engine = ballast::engine_names().front();
+  app.add_option("--attach", name, "name of the run's shared-memory segment")->required();
+  app.add_option("--engine", engine, "rigid-body engine")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ballast::kFine : ballast::kBadInput;
+  }
+  std::signal(SIGINT, SIG_IGN);  // the coordinator hears it and ends the run
+  auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kRigid);
+  if (!segment) {
+    std::fprintf(stderr, "rigid_client: %s\n", segment.error().text().c_str());
+    return segment.error().exit_code;
+  }
+  const ballast::Status outcome = ballast::rigid::serve(*segment, engine);
+  if (outcome) return ballast::kFine;
+  std::fprintf(stderr, "rigid_client: %s\n", outcome.error().text().c_str());
+  return outcome.error().exit_code;
+}

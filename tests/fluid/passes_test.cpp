@@ -1,0 +1,211 @@
+// The vector passes against brute force in double over all pairs, with the kernels of kernel.h.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "fluid_server/passes/passes.h"
+
+namespace ballast::fluid {
+namespace {
+
+struct Case {
+  int dimension;
+  KernelKind kind;
+  bool periodic;
+  int threads;
+};
+
+class Passes : public testing::TestWithParam<Case> {
+ protected:
+  static constexpr double kSpacing = 0.02;
+
+  Passes()
+      : kernel_{GetParam().kind, GetParam().dimension, support_in_spacings(GetParam().kind) * kSpacing},
+        coordinates_(Coordinates::make(domain(), {GetParam().periodic, false, GetParam().periodic})),
+        items_(coordinates_, kernel_.support, GetParam().dimension, GetParam().threads) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> u(0.0, 1.0);
+    const Box3 box = domain();
+    const int count = GetParam().dimension == 2 ? 900 : 4000;
+    for (int k = 0; k < count; ++k) {
+      Vec3 p = box.min + Vec3(u(random), u(random), u(random)).cwiseProduct(box.max - box.min);
+      if (GetParam().dimension == 2) p[1] = 0;
+      const Fixed3 f = coordinates_.to_fixed(p);
+      Record r{f[0], f[1], f[2], float(1000 * u(random)), float(u(random) - 0.5), float(u(random) - 0.5),
+               float(u(random) - 0.5), float(8e-6 * (0.5 + u(random)))};
+      if (GetParam().dimension == 2) r.vy = 0;
+      if (k % 5 == 0) {
+        r.volume = -r.volume;
+        (k % 2 ? fixed_ : moving_).push_back(r);
+      } else {
+        before_.record.push_back(r);
+        before_.id.push_back(static_cast<std::uint32_t>(before_.id.size()));
+      }
+    }
+    extras_.density.assign(1, 1000.f);
+    constants_.kernel = kernel_;
+    constants_.sound_speed = 2;
+    constants_.diffusion = 0.1f;
+    constants_.gravity[2] = -9.81f;
+    constants_.dt = 1e-4f;
+    constants_.threads = GetParam().threads;
+    items_.set_static_samples(fixed_);
+    items_.rebuild(before_, after_, moving_, static_cast<std::uint32_t>(fixed_.size()));
+  }
+
+  static Box3 domain() {
+    return GetParam().dimension == 2 ? Box3{{-0.3, -0.5, 0.1}, {0.31, 0.5, 0.7}} : Box3{{-0.15, 0.02, 0.1}, {0.2, 0.3, 0.4}};
+  }
+  Vec3 difference(const Record& a, const Record& b) const {
+    Vec3 r = coordinates_.difference({a.x, a.y, a.z}, {b.x, b.y, b.z});
+    if (GetParam().dimension == 2) r[1] = 0;
+    return r;
+  }
+  static Vec3 velocity(const Record& r) { return {r.vx, r.vy, r.vz}; }
+  double slope(double r) const { return kernel_.slope_over_r(r); }
+
+  Kernel kernel_;
+  Coordinates coordinates_;
+  Neighbourhood items_;
+  Particles before_, after_;
+  std::vector<Record> fixed_, moving_;
+  PassConstants constants_;
+  ItemExtras extras_;
+};
+
+TEST_P(Passes, SortingKeepsEveryParticleAndCellOrder) {
+  std::set<std::uint32_t> ids(after_.id.begin(), after_.id.end());
+  EXPECT_EQ(ids.size(), before_.size());
+  for (std::size_t f = 0; f < after_.size(); ++f) {
+    EXPECT_EQ(0, std::memcmp(&after_.record[f], &before_.record[after_.id[f]], sizeof(Record)));
+    EXPECT_EQ(items_.source[items_.fluid_item[f]], f);
+  }
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    const std::uint32_t cell = items_.cells().cell(items_.x[i], items_.y[i], items_.z[i]);
+    EXPECT_GE(cell, last);
+    last = cell;
+  }
+}
+
+TEST_P(Passes, ListsHoldExactlyTheNeighboursWithinTheSupport) {
+  build_lists(items_, constants_);
+  std::size_t pairs = 0;
+  for (std::uint32_t i = 0; i < items_.size(); ++i) {
+    std::set<std::uint32_t> listed(items_.lists.of(i), items_.lists.of(i) + items_.lists.count[i]);
+    EXPECT_EQ(listed.size(), items_.lists.count[i]) << "an item is listed twice for " << i;
+    for (std::uint32_t j = 0; j < items_.size(); ++j) {
+      const double r = difference(items_.record[i], items_.record[j]).norm();
+      if (std::abs(r - kernel_.support) < 1e-6 * kernel_.support) continue;  // either way at the rim
+      const bool sample_pair = items_.record[i].volume < 0 && items_.record[j].volume < 0;
+      const bool wanted = i != j && !sample_pair && r < kernel_.support;
+      ASSERT_EQ(listed.count(j), wanted ? 1u : 0u) << "pair " << i << " " << j << " at " << r / kernel_.support << " supports";
+      pairs += wanted;
+    }
+  }
+  EXPECT_GT(pairs, 5000u);
+}
+
+TEST_P(Passes, PressureAdvancesByContinuityAndDiffusion) {
+  std::vector<float> advanced;
+  build_lists_and_advance_pressure(items_, extras_, constants_, advanced);
+  const double rho = 1000, c = 2;
+  double worst = 0, largest = 0;
+  for (std::size_t f = 0; f < after_.size(); ++f) {
+    const Record& own = after_.record[f];
+    double divergence = 0, diffusion = 0;
+    for (std::uint32_t j = 0; j < items_.size(); ++j) {
+      const Record& other = items_.record[j];
+      const Vec3 r = difference(own, other);
+      if (j == items_.fluid_item[f] || r.norm() >= kernel_.support) continue;
+      const double g = slope(r.norm());
+      divergence += std::abs(other.volume) * g * (velocity(own) - velocity(other)).dot(r);
+      if (other.volume > 0) diffusion += other.volume * g * (other.p - own.p + rho * -9.81 * r[2]);
+    }
+    const double change = 1e-4 * (rho * c * c * divergence - 2 * 0.1 * kernel_.h() * c * diffusion);
+    worst = std::max(worst, std::abs(advanced[f] - own.p - change));
+    largest = std::max(largest, std::abs(change));
+  }
+  EXPECT_LT(worst, 2e-5 * (largest + 1000)) << "single precision of the pressure itself is 6e-8 of 1000 Pa";
+}
+
+TEST_P(Passes, AccelerationEqualsTheSumOverPairs) {
+  build_lists(items_, constants_);
+  std::vector<float> a;
+  accelerate(items_, extras_, constants_, a);
+  const double rho = 1000;
+  double worst = 0, largest = 0;
+  for (std::size_t f = 0; f < after_.size(); ++f) {
+    const Record& own = after_.record[f];
+    Vec3 sum(0, 0, -9.81);
+    double scale = 0;
+    for (std::uint32_t j = 0; j < items_.size(); ++j) {
+      const Record& other = items_.record[j];
+      const Vec3 r = difference(own, other);
+      if (j == items_.fluid_item[f] || r.norm() >= kernel_.support) continue;
+      const double u = std::max(0.0, -(velocity(own) - velocity(other)).dot(r) / r.norm());
+      const double q = rho * u * u;
+      const Vec3 one = -std::abs(other.volume) * (own.p + other.p + q) * slope(r.norm()) * r / rho;
+      sum += one;
+      scale += one.norm();
+    }
+    worst = std::max(worst, (sum - Vec3(a[3 * f], a[3 * f + 1], a[3 * f + 2])).norm());
+    largest = std::max(largest, scale);
+  }
+  EXPECT_LT(worst, 1e-5 * largest);
+}
+
+TEST_P(Passes, SummedDensityCountsTheParticleItselfOnce) {
+  build_lists(items_, constants_);
+  std::vector<float> delta, gradient;
+  sum_density(items_, constants_, delta, gradient);
+  for (std::size_t f = 0; f < after_.size(); ++f) {
+    double sum = 0;
+    for (std::uint32_t j = 0; j < items_.size(); ++j) {
+      const double r = difference(after_.record[f], items_.record[j]).norm();
+      if (r < kernel_.support) sum += std::abs(items_.record[j].volume) * kernel_.value(r);
+    }
+    ASSERT_NEAR(delta[f], sum, 1e-5 * sum);
+  }
+}
+
+TEST_P(Passes, SampleSumsSeeOnlyFluid) {
+  build_lists(items_, constants_);
+  std::vector<SampleSums> sums;
+  gather_samples(items_, extras_, constants_, sums);
+  ASSERT_EQ(sums.size(), items_.sample_item.size());
+  double worst = 0, largest = 0;
+  std::size_t wet = 0;
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    const Record& own = items_.record[items_.sample_item[s]];
+    double w = 0, wp = 0, nearest = kernel_.support;
+    Vec3 g = Vec3::Zero();
+    for (const Record& other : after_.record) {
+      const Vec3 r = difference(own, other);
+      if (r.norm() >= kernel_.support) continue;
+      w += other.volume * kernel_.value(r.norm());
+      wp += other.volume * kernel_.value(r.norm()) * other.p;
+      g += other.volume * slope(r.norm()) * r;
+      nearest = std::min(nearest, r.norm());
+    }
+    if (w == 0) continue;
+    ++wet;
+    EXPECT_NEAR(sums[s].w, w, 1e-5 * w);
+    EXPECT_NEAR(sums[s].wp, wp, 1e-5 * wp);
+    EXPECT_NEAR(sums[s].nearest, nearest, 1e-5 * kernel_.support);
+    worst = std::max(worst, (g - Eigen::Vector3f::Map(sums[s].g).cast<double>()).norm());
+    largest = std::max(largest, g.norm());
+  }
+  EXPECT_LT(worst, 1e-5 * largest);
+  EXPECT_GT(wet, 50u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Passes,
+                         testing::Values(Case{3, KernelKind::kCubic, false, 1}, Case{3, KernelKind::kWendland, false, 2},
+                                         Case{3, KernelKind::kCubic, true, 3}, Case{2, KernelKind::kCubic, false, 2},
+                                         Case{2, KernelKind::kWendland, true, 2}));
+
+}  // namespace
+}  // namespace ballast::fluid

@@ -1,0 +1,117 @@
+// The record: what is measured is merged, what is not measured stays null.
+#include "launch/record.h"
+
+#include <gtest/gtest.h>
+
+namespace ballast::launch {
+namespace {
+
+using nlohmann::json;
+
+json fluid_report(std::array<double, 3> given, double scale) {
+  return {{"ledger", {{"momentum_to_bodies_N_s", given}, {"momentum_scale", scale}}}};
+}
+json rigid_report(std::array<double, 3> received) { return {{"ledger", {{"momentum_received_N_s", received}}}}; }
+
+TEST(MomentumImbalance, IsTheNormOfTheDifferenceOverTheScale) {
+  // |(3, 4, 0)| / 10
+  EXPECT_DOUBLE_EQ(*momentum_imbalance(fluid_report({4, 4, 1}, 10), rigid_report({1, 0, 1})), 0.5);
+  EXPECT_DOUBLE_EQ(*momentum_imbalance(fluid_report({4, 4, 1}, 10), rigid_report({4, 4, 1})), 0);
+}
+
+TEST(MomentumImbalance, IsUnknownWhenOneSideIsSilentOrThereIsNoScale) {
+  EXPECT_FALSE(momentum_imbalance(json::object(), rigid_report({1, 0, 1})));
+  EXPECT_FALSE(momentum_imbalance(fluid_report({4, 4, 1}, 10), json::object()));
+  EXPECT_FALSE(momentum_imbalance(fluid_report({4, 4, 1}, 0), rigid_report({1, 0, 1})));
+}
+
+struct Record : testing::Test {
+  std::unique_ptr<Prepared> prepared;
+  std::optional<Collector> collector;
+  Outcome outcome;
+
+  void SetUp() override {
+    auto scene = read_scene_text(
+        "ballast: 1\nworld: { duration: 1 s, spacing: 0.1 }\n"
+        "models: [ { name: ball, shape: { sphere: { radius: 0.1 } }, density: 500 } ]\n",
+        "drop.yaml");
+    ASSERT_TRUE(scene) << scene.error().text();
+    auto bodies = make_bodies(*scene);
+    ASSERT_TRUE(bodies);
+    prepared = std::make_unique<Prepared>(Prepared{std::move(*scene), std::move(*bodies), false, true, {}});
+    prepared->left_out.push_back({"fluid process", "no fluid in this scene", "a process", "none"});
+    auto made = Collector::make(prepared->scene, false, true, testing::TempDir());
+    ASSERT_TRUE(made);
+    collector.emplace(std::move(*made));
+    outcome.rigid = {{"state_hash", "00ff"}, {"rss_bytes", 5000000}, {"warnings", {"slow"}}};
+  }
+};
+
+TEST_F(Record, HasEveryKeyThatScriptsRelyOn) {
+  const json record = make_record(*prepared, outcome, *collector, {}, 2);
+  for (const char* key : {"scene",
+                          "scene_hash",
+                          "version",
+                          "machine",
+                          "threads",
+                          "engine",
+                          "scheme",
+                          "exit",
+                          "simulated_s",
+                          "wall_s",
+                          "real_time_factor",
+                          "steps",
+                          "particle_steps_per_s",
+                          "rss_bytes",
+                          "particles",
+                          "bodies",
+                          "state_hash",
+                          "error",
+                          "ledger",
+                          "stages",
+                          "exchange_s",
+                          "step_limits",
+                          "expect",
+                          "left_out",
+                          "warnings",
+                          "interrupted"}) {
+    EXPECT_TRUE(record.contains(key)) << key;
+  }
+  EXPECT_EQ(record["scene"], "drop");
+  EXPECT_EQ(record["state_hash"], "00ff");
+  EXPECT_EQ(record["left_out"][0]["what"], "fluid process");
+  EXPECT_EQ(record["warnings"], json({"slow"}));
+}
+
+TEST_F(Record, InventsNoNumbers) {
+  const json record = make_record(*prepared, outcome, *collector, {}, 2);
+  EXPECT_TRUE(record["particle_steps_per_s"].is_null());
+  EXPECT_TRUE(record["rss_bytes"]["fluid"].is_null());
+  EXPECT_TRUE(record["ledger"]["imbalance_relative"].is_null());
+  EXPECT_TRUE(record["real_time_factor"].is_null());
+}
+
+TEST_F(Record, HashDependsOnBothProcesses) {
+  outcome.fluid = {{"state_hash", "01"}};
+  const json both = make_record(*prepared, outcome, *collector, {}, 2)["state_hash"];
+  outcome.fluid = {{"state_hash", "02"}};
+  const json other = make_record(*prepared, outcome, *collector, {}, 2)["state_hash"];
+  EXPECT_NE(both, other);
+  EXPECT_EQ(both.get<std::string>().size(), 16u);
+}
+
+TEST_F(Record, EndsInFiveLinesWithExpectationsBesideRunTime) {
+  outcome.exit = kExpectationMissed;
+  Verdict verdict;
+  verdict.name = "ball.z last";
+  verdict.value = 0.25;
+  const json record = make_record(*prepared, outcome, *collector, {verdict}, 2);
+  const std::vector<std::string> lines = summary_lines(record, "out/drop");
+  ASSERT_EQ(lines.size(), 5u);
+  EXPECT_NE(lines[0].find("exit 3"), std::string::npos);
+  EXPECT_NE(lines[3].find("expectations 0 of 1 met: ball.z last 0.25"), std::string::npos) << lines[3];
+  EXPECT_NE(lines[4].find("out/drop"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ballast::launch
