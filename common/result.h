@@ -10,9 +10,9 @@ namespace ballast {
 enum ExitCode : int { kFine = 0, kBadInput = 2, kExpectationMissed = 3, kDiverged = 4, kProcessFailed = 5 };
 
 struct Error {
-  std::string what;         ///< what is wrong, with the value seen
-  std::string cure;         ///< what to do about it
-  std::string where;        ///< "file:line:column", or empty
+  std::string what;   ///< what is wrong, with the value seen
+  std::string cure;   ///< what to do about it
+  std::string where;  ///< "file:line:column", or empty
   int exit_code = kBadInput;
 
   /// One message for a person: "where: what\n  cure".

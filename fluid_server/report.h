@@ -16,6 +16,8 @@ class Report {
  public:
   Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir);
 
+  /// Books the search for the starting pressure.
+  void quiet(const QuietReport& quiet);
   /// Books one finished step.
   void count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState> states, double dt, double time);
   exchange::StepReport step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash);
@@ -39,6 +41,7 @@ class Report {
   std::vector<Vec3> impulse_;            // given to each body, N s
   double impulse_scale_ = 0;             // sum of magnitudes
   Vec3 impulse_total_ = Vec3::Zero();    // given to all bodies that move
+  QuietReport quiet_;
   Measures start_;
   Measures last_;
   std::uint64_t steps_since_measure_ = 0;

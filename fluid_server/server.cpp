@@ -41,6 +41,8 @@ class Server {
       if (!answer) return answer.error();
       engine_bound_ = answer->max_dt;
     }
+    link_.beat();
+    report_.quiet(fluid_->quiet_start(states_));
     if (auto s = rows(true); !s) return s;
     const double end = scene_.world.duration;
     while (time_ < end * (1 - 1e-12) && !stopped_) {
@@ -67,7 +69,8 @@ class Server {
       return ok();
     }
     Step step = choose_step(limits_, fluid_->facts(), coupled_ ? engine_bound_ : 1e300, time_, end);
-    for (std::uint32_t iteration = 0;; ++iteration) {
+    std::uint32_t iteration = 0;
+    for (;; ++iteration) {
       if (auto s = try_step(step, iteration, end); !s) return s;
       if (fluid_->facts().max_move <= kLongestMove || iteration == kRetries) break;
       // Something was faster than the last step foretold: do the step again, shorter.
@@ -80,6 +83,7 @@ class Server {
     if (!fluid_->facts().finite || fluid_->facts().max_speed > 20 * limits_.sound_speed) return diverged();
     report_.count(step.limit, *fluid_, states_, step.dt, time_);
     exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
+    r.iteration = iteration;
     r.wall_wait = link_.seconds_waited() - waited;
     r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
     if (auto s = link_.report(r); !s) return s;

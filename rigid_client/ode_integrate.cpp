@@ -4,8 +4,7 @@
 //   free       one body, no contact, no joint: exact flight, ODE is not asked (BodySet::fly)
 //   smooth     joints only, no motor or limit at work: midpoint rule. ODE solves the mean velocity v' of the step,
 //              J v' = 0 at the predicted middle, as half a backward step; then v_1 = 2 v' - v_0, x_1 = x_0 + h v'.
-//              Joints then do no work, so that a pendulum neither gains nor loses energy (ODE's own step loses w^2 h
-//              per s)
+//              Joints then do no work, so that a pendulum neither gains nor loses energy
 //   direct     few contacts, motors, limits: ODE's dWorldStep (Dantzig)
 //   iterative  many contacts: ODE's dWorldQuickStep, whose direct rival grows with the cube of the contacts
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The only place where the processes meet: one shared-memory segment with manifest, two mailboxes, rings and control words.
-// Waiting is a futex without spinning, in slices of at most 100 ms that each end with a peer-alive test.
+// The only place where the processes meet: one shared-memory segment with manifest, two mailboxes, rings and control
+// words. Waiting is a futex without spinning, in slices of at most 100 ms that each end with a peer-alive test.
 // Protocol page: README.md in this folder.
 #pragma once
 #include <chrono>
@@ -20,25 +20,26 @@ const char* role_name(Role role);  ///< "fluid process", "rigid process", "coord
 
 struct SegmentPlan {
   Manifest manifest;
-  std::string scene_text;                ///< resolved scene, for the fluid process
-  std::string out_dir;                   ///< absolute, where processes put their files
-  std::uint32_t threads = 0;             ///< of the fluid; 0: all cores
-  bool fluid = true, rigid = true;       ///< which processes take part
-  std::size_t contact_bytes = 1 << 20;   ///< ring fluid -> rigid
-  std::size_t report_bytes = 8 << 20;    ///< ring of each process -> coordinator
-  std::size_t final_bytes = 1 << 20;     ///< final report (JSON text) of each process
-  double peer_timeout = 30;              ///< s without a sign of life before a peer counts as hung
+  std::string scene_text;               ///< resolved scene, for the fluid process
+  std::string out_dir;                  ///< absolute, where processes put their files
+  std::uint32_t threads = 0;            ///< of the fluid; 0: all cores
+  bool fluid = true, rigid = true;      ///< which processes take part
+  std::size_t contact_bytes = 1 << 20;  ///< ring fluid -> rigid
+  std::size_t report_bytes = 8 << 20;   ///< ring of each process -> coordinator
+  std::size_t final_bytes = 1 << 20;    ///< final report (JSON text) of each process
+  double peer_timeout = 30;             ///< s without a sign of life before a peer counts as hung
 };
 
 /// One mapped segment. The creator (coordinator) removes it in its destructor; others only unmap.
 class Segment {
  public:
-  /// Creates "/dev/shm/<name>", mode 0600, O_EXCL. Names: make_name(). Error 5 when /dev/shm is full or the name is taken.
+  /// Creates "/dev/shm/<name>", mode 0600, O_EXCL. Names: make_name(). Error 5 when /dev/shm is full or the name is
+  /// taken.
   static Result<Segment> create(const std::string& name, const SegmentPlan& plan);
   /// Maps an existing segment after checking owner, mode, magic, version, layout hash and size; registers this process
   /// (pid and start time) in its role; refuses a role that is taken or not part of the run.
   static Result<Segment> attach(const std::string& name, Role role);
-  static std::string make_name();         ///< "ballast-<uid>-<pid>-<random>"
+  static std::string make_name();  ///< "ballast-<uid>-<pid>-<random>"
   static void remove(const std::string& name);
   /// Removes segments of this user whose coordinator is dead; returns their names.
   static std::vector<std::string> remove_stale();
@@ -51,7 +52,7 @@ class Segment {
   std::string_view scene_text() const;
   std::string out_dir() const;
   std::uint32_t threads() const;
-  bool has(Role role) const;              ///< fluid, rigid: takes part in this run
+  bool has(Role role) const;  ///< fluid, rigid: takes part in this run
   std::size_t bytes() const;
 
   struct Impl;
@@ -93,9 +94,11 @@ class Link {
 class FluidLink : public Link {
  public:
   explicit FluidLink(Segment& segment);
-  /// Posts the order with its wrenches (one per body) and contacts. A full contact ring: patches merged per body, counted.
+  /// Posts the order with its wrenches (one per body) and contacts. A full contact ring: patches merged per body,
+  /// counted.
   Status send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts);
-  /// Waits for the answer to (step, iteration) and copies the states. Checks step, counts, finite numbers, unit quaternions.
+  /// Waits for the answer to (step, iteration) and copies the states. Checks step, counts, finite numbers, unit
+  /// quaternions.
   Result<Answer> receive(std::uint64_t step, std::uint32_t iteration, std::span<BodyState> states);
   std::uint64_t contacts_merged() const;  ///< patches that disappeared in others so far, since the ring was full
 };
@@ -114,24 +117,24 @@ class RigidLink : public Link {
 struct Frame {
   FrameHead head;
   std::vector<std::byte> payload;
-  std::span<const double> values() const;      ///< kBodies, kProbes
-  StepReport step_report() const;              ///< kStep
-  std::string text() const;                    ///< kWarning
+  std::span<const double> values() const;  ///< kBodies, kProbes
+  StepReport step_report() const;          ///< kStep
+  std::string text() const;                ///< kWarning
 };
 enum class PeerState { kAbsent, kRunning, kFinished, kDead };
 class Control {
  public:
   explicit Control(Segment& segment);
-  void grant(std::uint64_t step);              ///< both may run steps up to and including this one
-  void stop();                                 ///< end before the next step that both have not begun
+  void grant(std::uint64_t step);  ///< both may run steps up to and including this one
+  void stop();                     ///< end before the next step that both have not begun
   /// Takes all frames waiting from a process, in order. Checks sizes and kinds.
   Status drain(Role role, std::vector<Frame>& out);
   /// Sleeps until a process has posted something, or for the time given.
   void wait_for_news(std::chrono::milliseconds at_most);
-  PeerState state(Role role) const;            ///< kDead: process gone without finish()
-  int exit_code(Role role) const;              ///< after kFinished
-  std::string final_report(Role role) const;   ///< JSON text after kFinished
-  int pid(Role role) const;                    ///< 0 before it attached
+  PeerState state(Role role) const;           ///< kDead: process gone without finish()
+  int exit_code(Role role) const;             ///< after kFinished
+  std::string final_report(Role role) const;  ///< JSON text after kFinished
+  int pid(Role role) const;                   ///< 0 before it attached
 
  private:
   Segment& segment_;

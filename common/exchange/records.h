@@ -1,5 +1,6 @@
 // Every record in shared memory. Fixed-width, trivially copyable, no pointers, sizes asserted. A change bumps
-// kProtocolVersion. SI units, world frame, wrenches and twists about the centre of mass, unless a comment says otherwise.
+// kProtocolVersion. SI units, world frame, wrenches and twists about the centre of mass, unless a comment says
+// otherwise.
 #pragma once
 #include <cstdint>
 #include <type_traits>
@@ -22,21 +23,21 @@ struct WorldRecord {
   std::uint32_t dimension;  ///< 2 (plane x-z) or 3
   std::uint32_t substeps;   ///< engine steps per exchange
   std::uint64_t seed;
-  double output_every;      ///< s between rows of bodies; 0: every step
+  double output_every;  ///< s between rows of bodies; 0: every step
 };
 static_assert(sizeof(WorldRecord) == 72);
 
 /// One body; its frame has its origin at the centre of mass (static and prescribed: at the model's origin).
 struct BodyRecord {
-  char name[64];                 ///< zero-terminated
-  double mass;                   ///< kg (dynamic only)
-  double inertia[6];             ///< xx yy zz xy xz yz about the centre of mass, body axes, kg m^2
-  double position[3];            ///< m, at t = 0
-  double orientation[4];         ///< w x y z
-  double velocity[3];            ///< m/s
-  double angular_velocity[3];    ///< rad/s
+  char name[64];               ///< zero-terminated
+  double mass;                 ///< kg (dynamic only)
+  double inertia[6];           ///< xx yy zz xy xz yz about the centre of mass, body axes, kg m^2
+  double position[3];          ///< m, at t = 0
+  double orientation[4];       ///< w x y z
+  double velocity[3];          ///< m/s
+  double angular_velocity[3];  ///< rad/s
   double friction, restitution;
-  double volume;                 ///< m^3
+  double volume;  ///< m^3
   // prescribed motion: constant twist and sinusoid between start and stop, see scene.h
   double drive_velocity[3], drive_angular_velocity[3], drive_amplitude[3], drive_frequency, drive_start, drive_stop;
   BodyMotion motion;
@@ -49,11 +50,11 @@ static_assert(sizeof(BodyRecord) == 64 + 8 * (1 + 6 + 3 + 4 + 3 + 3 + 3 + 12) + 
 struct ShapeRecord {
   ShapeType type;
   std::uint32_t body;
-  double position[3];            ///< m, body frame
-  double orientation[4];         ///< w x y z
-  double size[3];                ///< kBox: full edges, m
-  double radius, length;         ///< m; axis z of the shape's own frame; capsule: between cap centres
-  double normal[3];              ///< kPlane: body frame, solid on the other side
+  double position[3];     ///< m, body frame
+  double orientation[4];  ///< w x y z
+  double size[3];         ///< kBox: full edges, m
+  double radius, length;  ///< m; axis z of the shape's own frame; capsule: between cap centres
+  double normal[3];       ///< kPlane: body frame, solid on the other side
   std::uint32_t first_vertex, vertex_count, first_triangle, triangle_count;  ///< kMesh
 };
 static_assert(sizeof(ShapeRecord) == 8 + 8 * 15 + 16);
@@ -65,70 +66,70 @@ struct JointRecord {
   double motor_velocity, motor_max_effort;
   double spring, damper, rest;
   JointType type;
-  std::int32_t parent, child;           ///< body index; -1: world
+  std::int32_t parent, child;  ///< body index; -1: world
   std::uint32_t reserved;
 };
 static_assert(sizeof(JointRecord) == 64 + 8 * 16 + 16);
 
 /// State of one body at the end of a step, rigid -> fluid.
 struct BodyState {
-  double position[3];            ///< m, of the body frame's origin (dynamic: centre of mass)
-  double orientation[4];         ///< w x y z, unit
-  double velocity[3];            ///< m/s
-  double angular_velocity[3];    ///< rad/s
-  double acceleration[6];        ///< linear, angular: change of twist over the last step / Dt
-  double free_acceleration[6];   ///< of the twist without any wrench from the fluid; free motion = twist + Dt * this
-  double mobility[36];           ///< row-major 6x6, (linear, angular): change of twist per impulse wrench; 0 if prescribed
+  double position[3];           ///< m, of the body frame's origin (dynamic: centre of mass)
+  double orientation[4];        ///< w x y z, unit
+  double velocity[3];           ///< m/s
+  double angular_velocity[3];   ///< rad/s
+  double acceleration[6];       ///< linear, angular: change of twist over the last step / Dt
+  double free_acceleration[6];  ///< of the twist without any wrench from the fluid; free motion = twist + Dt * this
+  double mobility[36];  ///< row-major 6x6, (linear, angular): change of twist per impulse wrench; 0 if prescribed
 };
 static_assert(sizeof(BodyState) == 8 * 61);
 
 /// Wrench of the fluid on one body, mean over the step, fluid -> rigid.
 struct Wrench {
-  double force[3];               ///< N
-  double torque[3];              ///< N m, about the centre of mass
+  double force[3];   ///< N
+  double torque[3];  ///< N m, about the centre of mass
 };
 static_assert(sizeof(Wrench) == 48);
 
 /// Where the fluid touches a body: a patch of its surface.
 struct Contact {
   std::uint32_t body;
-  std::uint32_t samples;         ///< wetted samples merged into this patch
-  double position[3];            ///< m, world, where `force` acts
-  double normal[3];              ///< unit, out of the solid
-  double force[3];               ///< N, on the body
-  double depth;                  ///< m, how far the deepest fluid particle's edge reaches below the surface (negative: gap)
-  double area;                   ///< m^2
+  std::uint32_t samples;  ///< wetted samples merged into this patch
+  double position[3];     ///< m, world, where `force` acts
+  double normal[3];       ///< unit, out of the solid
+  double force[3];        ///< N, on the body
+  double depth;           ///< m, how far the deepest fluid particle's edge reaches below the surface (negative: gap)
+  double area;            ///< m^2
 };
 static_assert(sizeof(Contact) == 8 + 8 * 11);
 
 enum OrderFlag : std::uint32_t {
-  kLast = 1u,       ///< no step follows
-  kRollBack = 2u,   ///< first restore the state before `step`, then apply this order
-  kEnd = 4u,        ///< never sent: RigidLink::receive() says so that the fluid process finished after `step`
+  kLast = 1u,      ///< no step follows
+  kRollBack = 2u,  ///< first restore the state before `step`, then apply this order
+  kEnd = 4u,       ///< never sent: RigidLink::receive() says so that the fluid process finished after `step`
 };
 
 /// Heads every message fluid -> rigid.
 struct Order {
-  std::uint64_t step;            ///< counts from 1: this message moves the bodies from state step - 1 to state step
-  std::uint32_t iteration;       ///< of this step, from 0
-  std::uint32_t flags;           ///< OrderFlag
-  double time;                   ///< s, at the start of the step
-  double dt;                     ///< s, length of the step
-  double next_dt;                ///< s, bound on the next step, from the fluid
-  std::uint32_t bodies;          ///< wrenches that follow: must equal the manifest's dynamic + prescribed + static bodies
-  std::uint32_t contacts;        ///< contacts put into the ring for this step
-  std::uint64_t contacts_lost;   ///< patches merged because the ring was full
+  std::uint64_t step;       ///< counts from 1: this message moves the bodies from state step - 1 to state step
+  std::uint32_t iteration;  ///< of this step, from 0
+  std::uint32_t flags;      ///< OrderFlag
+  double time;              ///< s, at the start of the step
+  double dt;                ///< s, length of the step
+  double next_dt;           ///< s, bound on the next step, from the fluid
+  std::uint32_t bodies;     ///< wrenches that follow: must equal the manifest's dynamic + prescribed + static bodies
+  std::uint32_t contacts;   ///< contacts put into the ring for this step
+  std::uint64_t contacts_lost;  ///< patches merged because the ring was full
 };
 static_assert(sizeof(Order) == 56);
 
 /// Heads every message rigid -> fluid.
 struct Answer {
-  std::uint64_t step;            ///< the step just finished; 0: the initial state
+  std::uint64_t step;  ///< the step just finished; 0: the initial state
   std::uint32_t iteration;
   std::uint32_t bodies;
-  double time;                   ///< s, at the end of the step
-  double max_dt;                 ///< s, bound on the next step, from the engine
-  std::uint64_t hash;            ///< state hash of the bodies
+  double time;         ///< s, at the end of the step
+  double max_dt;       ///< s, bound on the next step, from the engine
+  std::uint64_t hash;  ///< state hash of the bodies
   std::uint32_t flags, reserved;
 };
 static_assert(sizeof(Answer) == 48);
@@ -137,11 +138,11 @@ static_assert(sizeof(Answer) == 48);
 struct StepReport {
   std::uint64_t step;
   std::uint32_t iteration;
-  std::uint32_t limit;           ///< index of what limits the step: fluid's list of names is in its final report
-  double time, dt;               ///< s, at the end of the step
-  double wall_compute, wall_wait;///< s, spent computing / waiting in this step
-  std::uint64_t hash;            ///< of the bodies' state as this process knows it at the end of the step
-  double error[4];               ///< density mean, density max, pressure residual, interface residual (relative)
+  std::uint32_t limit;             ///< index of what limits the step: fluid's list of names is in its final report
+  double time, dt;                 ///< s, at the end of the step
+  double wall_compute, wall_wait;  ///< s, spent computing / waiting in this step
+  std::uint64_t hash;              ///< of the bodies' state as this process knows it at the end of the step
+  double error[4];                 ///< density mean, density max, pressure residual, interface residual (relative)
   std::uint64_t particles;
 };
 static_assert(sizeof(StepReport) == 16 + 8 * 10);
@@ -150,9 +151,9 @@ static_assert(sizeof(StepReport) == 16 + 8 * 10);
 enum class FrameKind : std::uint32_t { kStep = 0, kBodies = 1, kProbes = 2, kWarning = 3 };
 struct FrameHead {
   FrameKind kind;
-  std::uint32_t bytes;           ///< of payload that follows
+  std::uint32_t bytes;  ///< of payload that follows
   std::uint64_t step;
-  double time;                   ///< s
+  double time;  ///< s
 };
 static_assert(sizeof(FrameHead) == 24);
 

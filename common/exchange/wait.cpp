@@ -28,6 +28,7 @@ Result<Waiter::End> Waiter::wait(const Word& word, std::uint32_t seen, Role awai
   if (word.load(std::memory_order_acquire) != seen) return End::kChanged;
   const auto start = Clock::now();
   silence_ = 0;
+  wait_start_ = start;
   last_beat_ = segment_.peer(awaited).heartbeat.load(std::memory_order_relaxed);
   ++waits_;
   auto end = sleep(word, seen, awaited);
@@ -70,7 +71,7 @@ Status Waiter::look_if_due() {
 Result<Waiter::Look> Waiter::look(Role awaited) {
   const auto now = Clock::now();
   // Time in which this process was stopped itself (Ctrl-Z, debugger, suspended machine) is nobody's silence.
-  const double awake = std::min(seconds_of(now - last_look_), 2 * seconds_of(segment_.slice));
+  const double awake = std::min(seconds_of(now - std::max(last_look_, wait_start_)), 2 * seconds_of(segment_.slice));
   last_look_ = now;
   Look result = Look::kGoOn;
   for (Role role : {Role::kFluid, Role::kRigid, Role::kCoordinator}) {

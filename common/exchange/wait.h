@@ -41,7 +41,7 @@ class Waiter {
 
   Segment::Impl& segment_;
   Role self_;
-  Clock::time_point last_look_;
+  Clock::time_point last_look_, wait_start_{};
   double silence_ = 0;           ///< s in this wait without a sign of life of the awaited process
   std::uint64_t last_beat_ = 0;  ///< its heartbeat at the last look
   double seconds_ = 0;

@@ -162,6 +162,7 @@ struct Numerics {
   double sound_speed = 0;               ///< m/s; 0: ten times the largest speed expected
   double courant = 0;                   ///< of the acoustic step; 0: the solver's own
   double diffusion = 0.1;               ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
+  double artificial_viscosity = 0.02;   ///< alpha of the explicit solver (Monaghan 1992), between particles only
   bool relax = true;                    ///< relax the particles at the start
 };
 

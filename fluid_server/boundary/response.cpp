@@ -117,6 +117,13 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
   }
 }
 
+Vec3 Response::acceleration_of(std::uint32_t sample) const {
+  if (wet_stamp_[sample] != stamp_) return Vec3::Zero();
+  const std::uint32_t b = samples_.body[sample];
+  const Vec3 arm = wet_[sample].arm.cast<double>();
+  return acceleration_[b].head<3>() + acceleration_[b].tail<3>().cross(arm) + spin_[b].cross(spin_[b].cross(arm));
+}
+
 void Response::gather_contacts(std::span<const exchange::BodyState> states) {
   for (auto& patch : patches_) patch = {};
   for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {

@@ -31,8 +31,11 @@ class Response {
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   /// Where the fluid touches each moving body, wet patches only.
   std::span<const exchange::Contact> contacts() const { return contacts_; }
+  std::size_t memory() const;  ///< bytes of all its arrays
   /// Acceleration that the extrapolation used, per body: linear, angular.
   std::span<const Eigen::Matrix<double, 6, 1>> accelerations() const { return acceleration_; }
+  /// The same at a sample, m/s^2; zero if it is dry.
+  Vec3 acceleration_of(std::uint32_t sample) const;
 
  private:
   struct Wet {  // one wet sample

@@ -29,6 +29,7 @@ struct Samples {
   static Samples make(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates, double depth);
 
   std::size_t size() const { return body.size(); }
+  std::size_t memory() const;  ///< bytes of all its arrays
   std::span<const Record> fixed() const { return {record.data(), first_moving}; }
   std::span<const Record> moving() const { return {record.data() + first_moving, size() - first_moving}; }
 

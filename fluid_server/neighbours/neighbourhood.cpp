@@ -27,13 +27,15 @@ Neighbourhood::Neighbourhood(const Coordinates& coordinates, double support, int
                   whole_cells(extent[2], size)};
   cells_.periodic = coordinates.periodic;
   const std::size_t n = cells_.cells();
-  start_.resize(n + 1);
-  start_fluid_.resize(n + 1);
+  start_.resize(n + cells_.rows());
+  start_fluid_.resize(n + cells_.rows());
   fluid_count_.resize(n);
   moving_count_.assign(n, 0);
   static_start_.assign(n + 1, 0);
   histogram_.resize(static_cast<std::size_t>(std::min(threads, 8)));
   for (auto& h : histogram_) h.assign(n, 0);
+  row_touched_.assign(histogram_.size(), std::vector<std::uint8_t>(cells_.rows(), 0));
+  row_filled_.assign(cells_.rows(), 0);
   row_fluid_.resize(cells_.rows());
   row_all_.resize(cells_.rows());
   occupied_.resize(static_cast<std::size_t>(cells_.rows()) * cells_.blocks_x());
@@ -75,12 +77,19 @@ void Neighbourhood::count_particles(const Particles& before) {
 #pragma omp parallel for num_threads(threads_) schedule(static, 1)
   for (int t = 0; t < blocks; ++t) {
     auto& histogram = histogram_[static_cast<std::size_t>(t)];
-    std::memset(histogram.data(), 0, histogram.size() * sizeof(std::uint32_t));
+    auto& touched = row_touched_[static_cast<std::size_t>(t)];
+    const std::uint32_t nx = cells_.count[0];
+    for (std::size_t row = 0; row < touched.size(); ++row) {
+      if (!touched[row]) continue;
+      std::memset(histogram.data() + row * nx, 0, nx * sizeof(std::uint32_t));
+      touched[row] = 0;
+    }
     const std::size_t end = block_begin(before.size(), t + 1, blocks);
     for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
       const Record& r = before.record[f];
-      const std::uint32_t c = cells_.cell(r.x, r.y, r.z);
+      const std::uint32_t row = cells_.row(r.y, r.z), c = row * nx + Cells::along(r.x, nx);
       cell_of_[f] = c;
+      touched[row] = 1;
       ++histogram[c];
     }
   }
@@ -91,6 +100,9 @@ void Neighbourhood::total_rows() {
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint32_t total = 0;
+    row_fluid_[row] = 0;
+    if (std::none_of(row_touched_.begin(), row_touched_.end(), [row](const auto& touched) { return touched[row]; })) continue;
+    for (auto& touched : row_touched_) touched[row] = 1;  // offsets will stand there
     std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(row) * blocks_x;
     std::memset(occupied, 0, blocks_x);
     for (std::uint32_t cx = 0; cx < nx; ++cx) {
@@ -118,6 +130,7 @@ void Neighbourhood::activate_rows() {
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
     std::memset(active, 0, cells_.blocks_x());
+    bool any = false;
     const int cy = static_cast<int>(row % ny), cz = static_cast<int>(row / ny);
     for (int dz = -1; dz <= 1; ++dz) {
       for (int dy = -1; dy <= 1; ++dy) {
@@ -128,6 +141,7 @@ void Neighbourhood::activate_rows() {
         if (y2 < 0 || z2 < 0 || y2 >= iny || z2 >= inz) continue;
         const std::uint32_t other = static_cast<std::uint32_t>(z2 * iny + y2);
         if (!row_fluid_[other]) continue;
+        any = true;
         const std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(other) * cells_.blocks_x();
         for (int b = 0; b < blocks_x; ++b) {
           if (!occupied[b]) continue;
@@ -139,6 +153,8 @@ void Neighbourhood::activate_rows() {
         }
       }
     }
+    row_all_[row] = 0;
+    if (!any) continue;
     std::uint32_t all = row_fluid_[row];
     for (std::uint32_t b = 0; b < cells_.blocks_x(); ++b) {
       if (!active[b]) continue;
@@ -179,6 +195,7 @@ void Neighbourhood::place_rows() {
     const std::uint32_t a = row_all_[row], f = row_fluid_[row];
     row_all_[row] = all;
     row_fluid_[row] = fluid;
+    row_filled_[row] = a > 0;
     all += a;
     fluid += f;
   }
@@ -187,19 +204,21 @@ void Neighbourhood::place_rows() {
   source.resize(all);
   fluid_item.resize(fluid);
   sample_item.resize(all - fluid);
-  start_.back() = all;
-  start_fluid_.back() = fluid;
   const std::uint32_t nx = cells_.count[0];
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
+    if (!row_filled_[row]) continue;
     std::uint32_t item = row_all_[row], particle = row_fluid_[row];
+    const bool any_fluid = std::any_of(row_touched_.begin(), row_touched_.end(), [row](const auto& t) { return t[row]; });
     const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
+    const std::size_t first = static_cast<std::size_t>(row) * (nx + 1);
     for (std::uint32_t cx = 0; cx < nx; ++cx) {
       const std::size_t c = static_cast<std::size_t>(row) * nx + cx;
-      start_[c] = item;
-      start_fluid_[c] = particle;
-      item += fluid_count_[c];
-      particle += fluid_count_[c];
+      start_[first + cx] = item;
+      start_fluid_[first + cx] = particle;
+      const std::uint32_t here = any_fluid ? fluid_count_[c] : 0;
+      item += here;
+      particle += here;
       if (active[cx / Cells::kFine])
         for (std::uint32_t s = static_start_[c]; s < static_start_[c + 1]; ++s, ++item) {
           put(item, static_record_[s], kSample | static_source_[s]);
@@ -207,12 +226,15 @@ void Neighbourhood::place_rows() {
         }
       item += moving_count_[c];
     }
+    start_[first + nx] = item;
+    start_fluid_[first + nx] = particle;
   }
 }
 
 void Neighbourhood::scatter(const Particles& before, Particles& after, std::span<const Record> moving,
                             std::uint32_t first_moving) {
   const int blocks = static_cast<int>(histogram_.size());
+  const std::uint32_t nx = cells_.count[0];
   after.resize(before.size());
 #pragma omp parallel for num_threads(threads_) schedule(static, 1)
   for (int t = 0; t < blocks; ++t) {
@@ -220,7 +242,7 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
     const std::size_t end = block_begin(before.size(), t + 1, blocks);
     for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
       const std::uint32_t c = cell_of_[f], rank = cursor[c]++;
-      const std::uint32_t to = start_fluid_[c] + rank, item = start_[c] + rank;
+      const std::uint32_t first = c + c / nx, to = start_fluid_[first] + rank, item = start_[first] + rank;
       Particles::for_each_field([&](auto field) { (after.*field)[to] = (before.*field)[f]; });
       put(item, before.record[f], to);
       fluid_item[to] = item;
@@ -229,9 +251,9 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
   for (std::size_t s = moving.size(); s-- > 0;) {  // backwards: the count left is the rank
     const std::uint32_t c = moving_cell_[s];
     if (c == ~0u) continue;
-    const std::uint32_t item = start_[c + 1] - 1 - (--moving_count_[c]);
+    const std::uint32_t end = c + c / nx + 1, item = start_[end] - 1 - (--moving_count_[c]);
     put(item, moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
-    sample_item[item - start_fluid_[c + 1]] = item;
+    sample_item[item - start_fluid_[end]] = item;
   }
 }
 

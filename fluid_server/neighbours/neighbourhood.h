@@ -56,7 +56,10 @@ class Neighbourhood {
   std::uint32_t size() const { return static_cast<std::uint32_t>(record.size() - kTail); }
   const Cells& cells() const { return cells_; }
   const Coordinates& coordinates() const { return coordinates_; }
+  std::size_t memory() const;  ///< bytes of all its arrays, lists included
+  /// First item of each cell, and the end of the row: count[0] + 1 entries a row; meaningless in rows that are not filled.
   std::span<const std::uint32_t> cell_start() const { return start_; }
+  bool row_filled(std::size_t row) const { return row_filled_[row]; }
 
   // Items, in cell order; x, y, z and record have kTail entries more so that vectors may read past the end.
   static constexpr std::uint32_t kTail = 64;
@@ -82,8 +85,10 @@ class Neighbourhood {
   // per cell
   std::vector<std::uint32_t> start_, start_fluid_, fluid_count_, moving_count_, static_start_;
   std::vector<std::vector<std::uint32_t>> histogram_;  // per sorting thread and cell
-  // per row
+  // per row; most rows of a domain with room for splashes are empty and cost nothing
   std::vector<std::uint32_t> row_fluid_, row_all_;
+  std::vector<std::uint8_t> row_filled_;                     // has items
+  std::vector<std::vector<std::uint8_t>> row_touched_;       // per sorting thread: its histogram may be non-zero there
   // per block (row, kFine cells)
   std::vector<std::uint8_t> occupied_, active_;
   std::vector<std::uint32_t> cell_of_;                 // of particles before

@@ -147,6 +147,29 @@ struct FilledOne {
   double asked = 0;
 };
 
+/// The `wanted` sites with the largest clearance. Where a flat surface leaves many equal ones to choose from, every n-th in
+/// lattice order: any other choice would weight one side of a body.
+std::vector<Site> clearest(std::vector<Site> sites, std::size_t wanted, double equal) {
+  if (sites.size() <= wanted || wanted == 0) return sites;
+  std::vector<double> clearances;
+  for (const Site& site : sites) clearances.push_back(site.clearance);
+  std::nth_element(clearances.begin(), clearances.begin() + static_cast<std::ptrdiff_t>(wanted - 1), clearances.end(),
+                   std::greater<>());
+  const double cut = clearances[wanted - 1];
+  const auto above = [&](const Site& site) { return site.clearance > cut + equal; };
+  const auto at = [&](const Site& site) { return !above(site) && site.clearance >= cut - equal; };
+  const std::size_t sure = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), above));
+  const std::size_t ties = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), at)), open = wanted - sure;
+  std::size_t seen = 0;
+  std::erase_if(sites, [&](const Site& site) {
+    if (above(site)) return false;
+    if (!at(site)) return true;
+    ++seen;
+    return (2 * seen * open + ties) / (2 * ties) == (2 * (seen - 1) * open + ties) / (2 * ties);
+  });
+  return sites;
+}
+
 FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene& scene, double support) {
   const int dimension = scene.world.dimension;
   const double d = scene.world.spacing;
@@ -180,12 +203,7 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
         if (phi > 0.25 * d && phi < support && free > 0.25 * d) out.ghosts.push_back(p);
       }
   const std::size_t wanted = static_cast<std::size_t>(std::lround(out.volume / cell));
-  // the clearest sites; equal ones in lattice order, so that the choice is the same on every machine
-  std::stable_sort(out.sites.begin(), out.sites.end(), [](const Site& a, const Site& b) {
-    return std::lround(a.clearance * 1e9) != std::lround(b.clearance * 1e9) ? a.clearance > b.clearance : a.index < b.index;
-  });
-  if (out.sites.size() > wanted) out.sites.resize(wanted);
-  std::sort(out.sites.begin(), out.sites.end(), [](const Site& a, const Site& b) { return a.index < b.index; });
+  out.sites = clearest(std::move(out.sites), wanted, 1e-6 * d);
   return out;
 }
 

@@ -104,9 +104,9 @@ class ListBuilder {
   }
 
   int add_window(int row, int first, int last, Window* windows, int count) const {
-    const auto start = items_.cell_start();
-    const Window w{start[static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(first)],
-                   start[static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(last) + 1]};
+    if (!items_.row_filled(static_cast<std::size_t>(row))) return count;
+    const std::uint32_t* start = items_.cell_start().data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_ + 1);
+    const Window w{start[first], start[last + 1]};
     if (w.begin < w.end) windows[count++] = w;
     return count;
   }

@@ -31,7 +31,7 @@ class Pairs {
     const VF pi = hn::Set(d, own.p), vx = hn::Set(d, own.vx), vy = hn::Set(d, own.vy), vz = hn::Set(d, own.vz);
     const VF hx = hn::Set(d, rho * constants_.gravity[0]), hy = hn::Set(d, rho * constants_.gravity[1]);
     const VF hz = hn::Set(d, rho * constants_.gravity[2]);
-    VF divergence = hn::Zero(d), diffusion = hn::Zero(d);
+    VF divergence = hn::Zero(d), diffusion = hn::Zero(d), fullness = hn::Zero(d);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       VF approach = hn::MulAdd(hn::Sub(vx, motion.a), r.x, hn::Mul(hn::Sub(vz, motion.c), r.z));
@@ -41,12 +41,16 @@ class Pairs {
         excess = hn::MulAdd(hy, r.y, excess);
       }
       divergence = hn::MulAdd(vg, approach, divergence);
+      fullness = hn::NegMulAdd(vg, r.r2, fullness);
       const VF fluid_g = hn::Mul(hn::Max(motion.d, hn::Zero(d)), r.slope);  // samples carry no density of their own
       diffusion = hn::MulAdd(fluid_g, excess, diffusion);
     });
     const float h = static_cast<float>(constants_.kernel.h());
     const float rate = rho * c * c * total(divergence) - 2 * constants_.diffusion * h * c * total(diffusion);
-    return own.p + constants_.dt * rate;
+    const float p = own.p + constants_.dt * rate;
+    // Water at a free surface bears no tension, and a lone drop no pressure; splashes would bind to molecules otherwise.
+    const bool surface = total(fullness) < kSurface * Dim;
+    return (surface && p < 0) || items_.lists.count[item] == 0 ? 0.f : p;
   }
 
   /// Sums of a boundary sample over its fluid neighbours.
@@ -148,6 +152,9 @@ class Pairs {
   }
 
  private:
+  // -sum V r . grad W is the dimension inside the fluid; below 0.8 of it a particle is at the surface (Lee et al. 2008)
+  static constexpr float kSurface = 0.8f;
+
   struct Pair {
     VF x, y, z, r2, slope, p;  // r = x_i - x_j and its square, g, neighbour's pressure
   };
@@ -175,14 +182,17 @@ class Pairs {
     }
   }
 
-  /// q = rho u^2, u the speed of approach: zero for pairs that part.
+  /// q = rho (alpha c u + u^2), u the speed of approach: zero for pairs that part. The linear part between particles only:
+  /// on the samples it would drag at bodies in a flow without friction (measured: README.md).
   HWY_INLINE VF dissipation(const Record& own, const Pair& r, const Quad& motion, VF rho) const {
     const F d;
     VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vx), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.vz), motion.c), r.z));
     if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vy), motion.b), r.y, dot);
     const VF length = hn::Sqrt(hn::Max(r.r2, hn::Set(d, 1e-30f)));
     const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
-    return hn::Mul(hn::Mul(rho, u), u);
+    const float alpha_c = own.volume > 0 ? constants_.artificial_viscosity * constants_.sound_speed : 0.f;
+    const VF linear = hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), hn::Set(d, alpha_c));
+    return hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
   }
 
   float density(std::uint32_t item) const {

@@ -53,6 +53,15 @@ void BuildAll(Neighbourhood& items, const ItemExtras& extras, const PassConstant
 }
 
 template <int Dim, KernelKind K>
+void AdvanceAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f) pressure[f] = pairs.advanced_pressure(items.fluid_item[f]);
+                 });
+}
+
+template <int Dim, KernelKind K>
 void GatherAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
   const Pairs<Dim, K> pairs(items, extras, constants);
   for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
@@ -94,6 +103,9 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
 void Build(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
   BALLAST_BY_KERNEL(BuildAll, constants.kernel, items, extras, constants, pressure);
 }
+void Advance(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
+  BALLAST_BY_KERNEL(AdvanceAll, constants.kernel, items, extras, constants, pressure);
+}
 void Gather(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
   BALLAST_BY_KERNEL(GatherAll, constants.kernel, items, extras, constants, sums);
 }
@@ -113,6 +125,7 @@ HWY_AFTER_NAMESPACE();
 namespace ballast::fluid {
 
 HWY_EXPORT(Build);
+HWY_EXPORT(Advance);
 HWY_EXPORT(Gather);
 HWY_EXPORT(Accelerate);
 HWY_EXPORT(Sum);
@@ -122,6 +135,11 @@ void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& ex
                                       std::vector<float>& new_pressure) {
   new_pressure.resize(items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Build)(items, extras, constants, new_pressure.data());
+}
+void advance_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                      std::vector<float>& new_pressure) {
+  new_pressure.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Advance)(items, extras, constants, new_pressure.data());
 }
 void build_lists(Neighbourhood& items, const PassConstants& constants) {
   HWY_DYNAMIC_DISPATCH(Build)(items, ItemExtras{}, constants, nullptr);

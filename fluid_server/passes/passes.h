@@ -14,6 +14,7 @@ struct PassConstants {
   Kernel kernel;
   float sound_speed = 0;                ///< c, m/s
   float diffusion = 0;                  ///< xi of the delta-SPH term (Molteni and Colagrossi 2009), no unit
+  float artificial_viscosity = 0;       ///< alpha of Monaghan (1992), no unit
   float gravity[3] = {0, 0, 0};         ///< m/s^2
   float dt = 0;                         ///< s
   bool viscous = false;                 ///< some fluid has viscosity: `wall` is filled
@@ -49,8 +50,13 @@ struct SampleSums {
 /// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of every
 /// particle by continuity and density diffusion over dt: `new_pressure`, per particle.
 ///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
+/// At a free surface, where -sum V_j r.g r falls below 0.8 of the dimension, tension is let go: p >= 0.
 void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                                       std::vector<float>& new_pressure);
+
+/// The same from lists that are there.
+void advance_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                      std::vector<float>& new_pressure);
 
 /// Only the lists.
 void build_lists(Neighbourhood& items, const PassConstants& constants);
@@ -61,8 +67,9 @@ void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const 
 
 /// Acceleration of every particle, m/s^2, x y z in turn:
 ///   a_i = G - 1/rho_i sum V_j (p_i + p_j + q_ij) g r + 1/rho_i sum V_j (mu_i + mu_j) g (v_i - w_j)
-/// q_ij = rho u^2 for pairs that approach with speed u: the ram pressure of the encounter (von Neumann and Richtmyer 1950),
-/// second order in the spacing where the flow is smooth.
+/// q_ij = rho (alpha c u + u^2) for pairs that approach with speed u: artificial viscosity (Monaghan 1992), its linear part
+/// between particles only, and the ram pressure of the encounter (von Neumann and Richtmyer 1950), second order in the
+/// spacing where the flow is smooth.
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                 std::vector<float>& acceleration);
 

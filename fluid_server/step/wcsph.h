@@ -22,6 +22,12 @@ struct StageTimes {
   double sort = 0, pressure = 0, boundary = 0, motion = 0;
 };
 
+/// How the search for the starting pressure went.
+struct QuietReport {
+  int rounds = 0;      ///< 0: not done, something moves at the start
+  double change = 0;   ///< of pressure in the last round, over the largest pressure
+};
+
 /// Sums over all particles, in double and in a fixed order.
 struct Measures {
   double kinetic = 0, potential = 0, elastic = 0;  ///< J
@@ -34,6 +40,10 @@ struct Measures {
 class WcsphFluid {
  public:
   static Result<std::unique_ptr<WcsphFluid>> make(const Scene& scene, const std::vector<Body>& bodies, int threads);
+
+  /// Finds the pressure with which nothing is compressed at the moment of release; for states at rest, before the first
+  /// step. Costs some hundred sweeps where something gives way, one where all is in balance.
+  QuietReport quiet_start(std::span<const exchange::BodyState> states);
 
   /// First half of a step of length dt: everything up to the wrenches on the bodies in `states`.
   void begin(std::span<const exchange::BodyState> states, double dt);
@@ -60,11 +70,12 @@ class WcsphFluid {
   const std::string& lost_where() const { return lost_where_; }
   std::uint64_t hash() const;          ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
-  std::size_t memory() const;
+  std::size_t memory() const;          ///< bytes of all arrays that live through a step
 
  private:
   WcsphFluid() = default;
   void prepare_extras();
+  void put_accelerations_for_velocities();
   void remove_lost();
 
   Coordinates coordinates_;

@@ -80,12 +80,13 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   WcsphFluid& self = *fluid;
   self.spacing_ = scene.world.spacing;
   const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto ? scene.numerics.kernel
-                          : scene.world.dimension == 2 || scene.world.accuracy == Accuracy::kAccurate ? KernelKind::kWendland
-                                                                                                      : KernelKind::kCubic;
+                          : scene.world.dimension == 3 && scene.world.accuracy == Accuracy::kInteractive ? KernelKind::kCubic
+                                                                                                         : KernelKind::kWendland;
   Kernel kernel{kind, scene.world.dimension, support_in_spacings(kind) * scene.world.spacing};
   self.constants_.kernel = kernel;
   self.constants_.threads = threads;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
+  self.constants_.artificial_viscosity = static_cast<float>(scene.numerics.artificial_viscosity);
   for (int k = 0; k < 3; ++k) self.constants_.gravity[k] = static_cast<float>(scene.world.gravity[k]);
   if (scene.world.dimension == 2) self.constants_.gravity[1] = 0;
   self.scheme_ = scene.coupling.scheme == "staggered" ? Scheme::kStaggered : Scheme::kInterlinked;

@@ -256,6 +256,21 @@ TEST_P(Contacts, R12_StacksStandStill) {
   }
 }
 
+TEST_P(Contacts, CapsuleLiesStillOnABox) {
+  if (!has_contacts()) return;
+  World world;
+  world.box(BodyMotion::kStatic, 0, {2, 2, 0.1}, {0, 0, -0.05});
+  const auto b = world.body(BodyMotion::kDynamic, 1, {0.01, 0.002, 0.01}, {0, 0, 0.0505});
+  ShapeRecord& s = world.shape(b, ShapeType::kCapsule);
+  s.radius = 0.05;
+  s.length = 0.2;
+  s.orientation[0] = s.orientation[1] = std::sqrt(0.5);
+  Simulation run(GetParam(), world, 1e-3);
+  run.to(2);
+  EXPECT_NEAR((run.position(b) - Vec(0, 0, 0.05)).norm(), 0, 1e-4);
+  EXPECT_LT(run.spin(b).norm(), 1e-6);
+}
+
 TEST_P(Contacts, PrescribedPusherCarriesABlockAtItsSpeed) {
   if (!has_contacts()) return;
   World world;

@@ -216,6 +216,27 @@ TEST_P(Joints, LimitsStopWithoutThrowing) {
   EXPECT_LT(rebound, 0.05);
 }
 
+// A gate leaning on its stop under a steady load, as water gives it: it must neither creep nor chatter.
+TEST_P(Joints, GateHeldByItsStopStandsStill) {
+  World world(kGravity, 2, 0.5);
+  const auto b = world.box(BodyMotion::kDynamic, 20, {0.02, 1, 0.5}, {0, 0, 0.25});
+  world.joint(JointType::kRevolute, -1, b, {0, 0, 0});
+  world.manifest.joints[0].upper = 0;
+  if (!takes_joints(world)) return;
+  Simulation run(GetParam(), world, 1e-3);
+  double fastest = 0, turned = 0;
+  run.to(5, [&] {
+    put(run.wrenches[b].force, {1226, 0, 0});  // rho g H^2/2 per metre, H = 0.5 m
+    put(run.wrenches[b].torque, {0, -1226 * (0.25 - 0.5 / 3), 0});
+    if (run.time() > 0.1) fastest = std::max(fastest, run.spin(b).norm());
+    turned = std::max(turned, std::abs(2 * std::asin(run[b].orientation[2])));
+  });
+  figure("gate on its stop: spin, rad/s", fastest, "1e-6");
+  figure("gate on its stop: turned, rad", turned, "1e-3");
+  EXPECT_LT(fastest, 1e-6);
+  EXPECT_LT(turned, 1e-3);
+}
+
 TEST_P(Joints, FixedJointHoldsAgainstAWrenchAndReportsNoMobility) {
   World world;
   const auto b = world.box(BodyMotion::kDynamic, 1, {0.1, 0.1, 0.1}, {0, 0, 0});

@@ -120,7 +120,7 @@ TEST(death, of_the_fluid_process_is_named_by_the_rigid) {
 }
 
 /// Short steps: neither ever sleeps for a whole slice, and nobody ever waits for the coordinator.
-TEST(death, of_the_coordinator_is_named_by_both_and_the_name_is_removed) {
+TEST(death, of_the_coordinator_in_the_midst_of_short_steps_is_named_and_its_segment_removed) {
   Verdict fluid_verdict, rigid_verdict, name_pipe;
   Child coordinator([&] {
     auto segment = Segment::create(Segment::make_name(), plan_of(2));
@@ -211,7 +211,7 @@ TEST(silence, of_a_stopped_peer_is_an_error_after_the_timeout) {
     const Verdict& verdict = role == Role::kRigid ? run.fluid_verdict : run.rigid_verdict;
     EXPECT_THAT(verdict.hear(), AllOf(HasSubstr(std::string("5 the ") + role_name(role)),
                                       HasSubstr("no sign of life for 0.3"), HasSubstr("during step ")));
-    EXPECT_GT(seconds_since(start), 0.25);
+    EXPECT_GT(seconds_since(start), 0.2) << "the wait may have begun a victim's pause before the stop";
     EXPECT_LT(seconds_since(start), 0.3 + kBound);
   }
 }
