@@ -9,7 +9,8 @@
 #include "fluid_server/server.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"The fluid process of a Ballast run. Normally started by `ballast run`; by hand with `ballast run --by-hand`."};
+  CLI::App app{
+      "The fluid process of a Ballast run. Normally started by `ballast run`; by hand with `ballast run --by-hand`."};
   std::string name;
   app.add_option("--attach", name, "name of the run's shared-memory segment")->required();
   try {

@@ -46,14 +46,19 @@ struct Views {
 std::vector<Pose> poses_of(std::span<const exchange::BodyState> states) {
   std::vector<Pose> poses;
   for (const auto& s : states)
-    poses.push_back({Vec3::Map(s.position), Quat(s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3])});
+    poses.push_back(
+        {Vec3::Map(s.position), Quat(s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3])});
   return poses;
 }
 
 }  // namespace
 
 Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir)
-    : scene_(scene), bodies_(bodies), fluid_(fluid), out_dir_(std::move(out_dir)), impulse_(bodies.size(), Vec3::Zero()) {
+    : scene_(scene),
+      bodies_(bodies),
+      fluid_(fluid),
+      out_dir_(std::move(out_dir)),
+      impulse_(bodies.size(), Vec3::Zero()) {
   start_ = last_ = fluid.measure();
   if (scene.output.vtk) vtk_ = std::make_unique<output::VtkSeries>(out_dir_ + "/vtk");
   const RelaxReport& relaxed = fluid.relax_report();
@@ -65,8 +70,9 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
 void Report::quiet(const QuietReport& quiet) {
   quiet_ = quiet;
   if (quiet.change > 1e-3)
-    warn(fmt::format("the starting pressure was not found to the end: after {} rounds it still changes by {:.2g} a round",
-                     quiet.rounds, quiet.change));
+    warn(fmt::format(
+        "the starting pressure was not found to the end: after {} rounds it still changes by {:.2g} a round",
+        quiet.rounds, quiet.change));
   start_ = last_ = fluid_.measure();
 }
 
@@ -89,9 +95,10 @@ void Report::count(Limit limit, const WcsphFluid& fluid, std::span<const exchang
   }
   const double mach = fluid.facts().max_speed / fluid.constants().sound_speed;
   if (mach > 0.3 && worst_mach_ <= 0.3)
-    warn(fmt::format("at t = {:.4g} s the fluid reached {:.2g} times the sound speed of {:.3g} m/s: densities are off by up to "
-                     "{:.0f} %; raise numerics.sound_speed",
-                     time, mach, fluid.constants().sound_speed, 100 * mach * mach));
+    warn(fmt::format(
+        "at t = {:.4g} s the fluid reached {:.2g} times the sound speed of {:.3g} m/s: densities are off by up to "
+        "{:.0f} %; raise numerics.sound_speed",
+        time, mach, fluid.constants().sound_speed, 100 * mach * mach));
   worst_mach_ = std::max(worst_mach_, mach);
   if (fluid.lost() > lost_seen_) {
     if (lost_seen_ == 0) warn(fmt::format("t = {:.4g} s: {}; further ones are only counted", time, fluid.lost_where()));
@@ -127,7 +134,8 @@ Status Report::write_frame(std::span<const exchange::BodyState> states, double t
 void Report::write_final(std::span<const exchange::BodyState> states, std::uint32_t threads) {
   if (!scene_.output.picture) return;
   const auto poses = poses_of(states);
-  if (auto s = output::make_picture(out_dir_, scene_, bodies_, poses, Views(fluid_).frame(), static_cast<int>(threads)); !s)
+  if (auto s = output::make_picture(out_dir_, scene_, bodies_, poses, Views(fluid_).frame(), static_cast<int>(threads));
+      !s)
     warn(s.error().text());
 }
 
@@ -149,22 +157,25 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
     if (limits_[k]) j["step_limits"][kLimitNames[k]] = limits_[k];
   j["limit_names"] = kLimitNames;
   const StageTimes& t = fluid_.times();
-  j["stages"] = {{"sort", t.sort}, {"pressure", t.pressure}, {"boundary", t.boundary}, {"motion", t.motion}, {"wait", waited}};
-  j["error"] = {{"density_mean", error_count_ ? error_mean_sum_ / static_cast<double>(error_count_) : end.compression_mean},
-                {"density_max", std::max(error_max_, end.compression_max)},
-                {"pressure_residual", 0},
-                {"interface_residual", 0}};
-  j["ledger"] = {{"momentum_to_bodies_N_s", vector_json(impulse_total_)},
-                 {"momentum_scale", impulse_scale_},
-                 {"momentum_start", vector_json(start_.momentum)},
-                 {"momentum_end", vector_json(end.momentum)},
-                 {"mass_kg", end.mass},
-                 {"mass_drift", start_.mass > 0 ? end.mass / start_.mass - 1 : 0.0},
-                 {"energy_J",
-                  {{"kinetic", end.kinetic},
-                   {"potential", end.potential},
-                   {"elastic", end.elastic},
-                   {"change", end.kinetic + end.potential + end.elastic - start_.kinetic - start_.potential - start_.elastic}}}};
+  j["stages"] = {
+      {"sort", t.sort}, {"pressure", t.pressure}, {"boundary", t.boundary}, {"motion", t.motion}, {"wait", waited}};
+  j["error"] = {
+      {"density_mean", error_count_ ? error_mean_sum_ / static_cast<double>(error_count_) : end.compression_mean},
+      {"density_max", std::max(error_max_, end.compression_max)},
+      {"pressure_residual", 0},
+      {"interface_residual", 0}};
+  j["ledger"] = {
+      {"momentum_to_bodies_N_s", vector_json(impulse_total_)},
+      {"momentum_scale", impulse_scale_},
+      {"momentum_start", vector_json(start_.momentum)},
+      {"momentum_end", vector_json(end.momentum)},
+      {"mass_kg", end.mass},
+      {"mass_drift", start_.mass > 0 ? end.mass / start_.mass - 1 : 0.0},
+      {"energy_J",
+       {{"kinetic", end.kinetic},
+        {"potential", end.potential},
+        {"elastic", end.elastic},
+        {"change", end.kinetic + end.potential + end.elastic - start_.kinetic - start_.potential - start_.elastic}}}};
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     if (scene_.models[b].motion != Motion::kStatic)
       j["ledger"]["per_body_N_s"][scene_.models[b].name] = vector_json(impulse_[b]);
@@ -175,7 +186,8 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                           {"mass_kg", f.mass},
                           {"particles", f.particles}});
   const RelaxReport& relaxed = fluid_.relax_report();
-  j["relaxation"] = {{"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};
+  j["relaxation"] = {
+      {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};
   j["quiet_start"] = {{"rounds", quiet_.rounds}, {"change", quiet_.change}};
   j["solver"] = {{"pressure", "wcsph"},
                  {"kernel", fluid_.constants().kernel.kind == KernelKind::kCubic ? "cubic spline" : "Wendland C2"},

@@ -38,9 +38,9 @@ class Report {
   const WcsphFluid& fluid_;
   std::string out_dir_;
   std::array<std::uint64_t, static_cast<std::size_t>(Limit::kCount)> limits_{};
-  std::vector<Vec3> impulse_;            // given to each body, N s
-  double impulse_scale_ = 0;             // sum of magnitudes
-  Vec3 impulse_total_ = Vec3::Zero();    // given to all bodies that move
+  std::vector<Vec3> impulse_;          // given to each body, N s
+  double impulse_scale_ = 0;           // sum of magnitudes
+  Vec3 impulse_total_ = Vec3::Zero();  // given to all bodies that move
   QuietReport quiet_;
   Measures start_;
   Measures last_;

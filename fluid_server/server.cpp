@@ -126,9 +126,11 @@ class Server {
 
   Status diverged() const {
     Error error;
-    error.what = fmt::format("the fluid diverged at t = {:.6g} s (step {}): largest speed {:.3g} m/s, sound speed {:.3g} m/s",
-                             time_, step_, fluid_->facts().max_speed, limits_.sound_speed);
-    error.cure = "try a smaller numerics.courant, a larger numerics.sound_speed, or look for bodies that start inside fluid";
+    error.what =
+        fmt::format("the fluid diverged at t = {:.6g} s (step {}): largest speed {:.3g} m/s, sound speed {:.3g} m/s",
+                    time_, step_, fluid_->facts().max_speed, limits_.sound_speed);
+    error.cure =
+        "try a smaller numerics.courant, a larger numerics.sound_speed, or look for bodies that start inside fluid";
     error.exit_code = kDiverged;
     return error;
   }

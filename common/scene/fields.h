@@ -231,7 +231,8 @@ void visit(V& v, Numerics& n) {
   v({"sound_speed", kSpeed, "0: ten times the largest speed expected", kNotNegative}, n.sound_speed);
   v({"courant", kNone, "number of the acoustic step; 0: the solver's own", kNotNegative}, n.courant);
   v({"diffusion", kNone, "delta-SPH density diffusion (Molteni and Colagrossi 2009)", kNotNegative}, n.diffusion);
-  v({"artificial_viscosity", kNone, "alpha of the explicit solver (Monaghan 1992), between particles only", kNotNegative},
+  v({"artificial_viscosity", kNone, "alpha of the explicit solver (Monaghan 1992), between particles only",
+     kNotNegative},
     n.artificial_viscosity);
   v({"relax", kNone, "relax the particles at the start"}, n.relax);
 }

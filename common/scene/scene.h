@@ -15,8 +15,8 @@ using Quat = Eigen::Quaterniond;
 
 /// Position and orientation: x_world = position + rotation * x_local.
 struct Pose {
-  Vec3 position = Vec3::Zero();        ///< m
-  Quat rotation = Quat::Identity();    ///< unit quaternion
+  Vec3 position = Vec3::Zero();      ///< m
+  Quat rotation = Quat::Identity();  ///< unit quaternion
 };
 
 /// Axis-aligned box, min < max in every axis.
@@ -34,15 +34,15 @@ struct Place {
 enum class Accuracy { kInteractive, kBalanced, kAccurate };
 
 struct World {
-  Vec3 gravity{0, 0, -9.81};            ///< m/s^2
-  int dimension = 3;                    ///< 2 (plane x-z) or 3
-  double duration = 1;                  ///< s, simulated
-  double spacing = 0;                   ///< m, particle spacing d
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2
+  int dimension = 3;          ///< 2 (plane x-z) or 3
+  double duration = 1;        ///< s, simulated
+  double spacing = 0;         ///< m, particle spacing d
   Accuracy accuracy = Accuracy::kBalanced;
-  std::array<bool, 3> periodic{};       ///< per axis; needs `domain`
-  std::optional<Box3> domain;           ///< where particles may be; default: around everything in the scene
-  bool allow_overlap = false;           ///< let bodies overlap at the start
-  std::uint64_t seed = 1;               ///< of every random draw in the run
+  std::array<bool, 3> periodic{};  ///< per axis; needs `domain`
+  std::optional<Box3> domain;      ///< where particles may be; default: around everything in the scene
+  bool allow_overlap = false;      ///< let bodies overlap at the start
+  std::uint64_t seed = 1;          ///< of every random draw in the run
 };
 
 enum class FillKind { kBox, kMesh, kLevel };
@@ -50,22 +50,23 @@ enum class FillKind { kBox, kMesh, kLevel };
 /// Where a fluid is at the start; the volume of bodies inside it is carved out.
 struct Fill {
   FillKind kind = FillKind::kBox;
-  Box3 box;                             ///< kBox: this box. In dimension 2 its y extent is ignored
-  std::string mesh;                     ///< kMesh: file of a closed surface
-  Pose pose;                            ///< kMesh
-  Vec3 scale = Vec3::Ones();            ///< kMesh
-  std::string container;                ///< kLevel: model (open box, sphere, cylinder used as container, or mesh) that holds the fluid
-  double level = 0;                     ///< kLevel: z of the surface in world coordinates, m
+  Box3 box;                   ///< kBox: this box. In dimension 2 its y extent is ignored
+  std::string mesh;           ///< kMesh: file of a closed surface
+  Pose pose;                  ///< kMesh
+  Vec3 scale = Vec3::Ones();  ///< kMesh
+  std::string
+      container;     ///< kLevel: model (open box, sphere, cylinder used as container, or mesh) that holds the fluid
+  double level = 0;  ///< kLevel: z of the surface in world coordinates, m
 };
 
 struct Fluid {
   std::string name = "water";
-  std::string material;                 ///< preset it came from, or empty
-  double density = 1000;                ///< rest density, kg/m^3
-  double viscosity = 0;                 ///< dynamic, Pa s
-  double surface_tension = 0;           ///< N/m
-  Vec3 velocity = Vec3::Zero();         ///< m/s at the start
-  Vec3 angular_velocity = Vec3::Zero(); ///< rad/s, rigid rotation about the centre of the fill at the start
+  std::string material;                  ///< preset it came from, or empty
+  double density = 1000;                 ///< rest density, kg/m^3
+  double viscosity = 0;                  ///< dynamic, Pa s
+  double surface_tension = 0;            ///< N/m
+  Vec3 velocity = Vec3::Zero();          ///< m/s at the start
+  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, rigid rotation about the centre of the fill at the start
   Fill fill;
   Place place;
 };
@@ -80,16 +81,16 @@ struct Part;
 /// A solid in its own frame. Its axis is z for cylinder and capsule, y for both in dimension 2 (discs).
 struct Shape {
   ShapeKind kind = ShapeKind::kBox;
-  Vec3 size = Vec3::Zero();             ///< kBox: full edges; kOpenBox: inside edges, m
-  double radius = 0;                    ///< kSphere, kCylinder, kCapsule, m
-  double length = 0;                    ///< kCylinder: whole length; kCapsule: between the cap centres, m
-  Vec3 normal{0, 0, 1};                 ///< kPlane: solid lies on the side opposite to it
-  double wall = 0;                      ///< kOpenBox: wall thickness, m (0: three spacings)
-  bool lid = false;                     ///< kOpenBox: closed on top too
-  bool hollow = false;                  ///< kSphere, kCylinder: a container: solid outside the radius, `wall` thick
-  std::string mesh;                     ///< kMesh: file of a closed surface
-  Vec3 scale = Vec3::Ones();            ///< kMesh
-  std::vector<Part> parts;              ///< kCompound
+  Vec3 size = Vec3::Zero();   ///< kBox: full edges; kOpenBox: inside edges, m
+  double radius = 0;          ///< kSphere, kCylinder, kCapsule, m
+  double length = 0;          ///< kCylinder: whole length; kCapsule: between the cap centres, m
+  Vec3 normal{0, 0, 1};       ///< kPlane: solid lies on the side opposite to it
+  double wall = 0;            ///< kOpenBox: wall thickness, m (0: three spacings)
+  bool lid = false;           ///< kOpenBox: closed on top too
+  bool hollow = false;        ///< kSphere, kCylinder: a container: solid outside the radius, `wall` thick
+  std::string mesh;           ///< kMesh: file of a closed surface
+  Vec3 scale = Vec3::Ones();  ///< kMesh
+  std::vector<Part> parts;    ///< kCompound
 };
 
 struct Part {
@@ -99,15 +100,15 @@ struct Part {
 
 enum class Motion { kStatic, kDynamic, kPrescribed };
 
-/// Motion of a prescribed body: at rest before `start` and after `stop`, else constant twist plus a sinusoid in position:
-/// amplitude * sin(2 pi frequency (t - start)).
+/// Motion of a prescribed body: at rest before `start` and after `stop`, else constant twist plus a sinusoid in
+/// position: amplitude * sin(2 pi frequency (t - start)).
 struct Prescription {
-  Vec3 velocity = Vec3::Zero();         ///< m/s
-  Vec3 angular_velocity = Vec3::Zero(); ///< rad/s
-  Vec3 amplitude = Vec3::Zero();        ///< m
-  double frequency = 0;                 ///< Hz
-  double start = 0;                     ///< s
-  double stop = 1e300;                  ///< s
+  Vec3 velocity = Vec3::Zero();          ///< m/s
+  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
+  Vec3 amplitude = Vec3::Zero();         ///< m
+  double frequency = 0;                  ///< Hz
+  double start = 0;                      ///< s
+  double stop = 1e300;                   ///< s
 };
 
 /// One solid. `repeat` in a scene file has already been expanded into names "crate_0_0_0", ...
@@ -115,14 +116,14 @@ struct Model {
   std::string name;
   Motion motion = Motion::kDynamic;
   Shape shape;
-  Pose pose;                            ///< of the model's frame in the world at t = 0
-  double density = 0;                   ///< kg/m^3; kDynamic: density or mass, the other is 0
-  double mass = 0;                      ///< kg (kg per metre of depth in dimension 2)
-  double friction = 0.3;                ///< Coulomb coefficient
+  Pose pose;              ///< of the model's frame in the world at t = 0
+  double density = 0;     ///< kg/m^3; kDynamic: density or mass, the other is 0
+  double mass = 0;        ///< kg (kg per metre of depth in dimension 2)
+  double friction = 0.3;  ///< Coulomb coefficient
   double restitution = 0.1;
-  Vec3 velocity = Vec3::Zero();         ///< m/s, of the centre of mass at t = 0
-  Vec3 angular_velocity = Vec3::Zero(); ///< rad/s
-  Prescription prescription;            ///< kPrescribed only
+  Vec3 velocity = Vec3::Zero();          ///< m/s, of the centre of mass at t = 0
+  Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
+  Prescription prescription;             ///< kPrescribed only
   Place place;
 };
 
@@ -131,26 +132,26 @@ enum class JointKind { kFixed, kRevolute, kPrismatic, kBall, kUniversal };
 struct Joint {
   std::string name;
   JointKind kind = JointKind::kFixed;
-  std::string parent;                   ///< model name, or "world"
-  std::string child;                    ///< model name
-  Vec3 anchor = Vec3::Zero();           ///< m, world, at t = 0
-  Vec3 axis{0, 0, 1};                   ///< unit, world, at t = 0
-  Vec3 axis2{1, 0, 0};                  ///< kUniversal: second axis, unit, orthogonal to axis
-  std::optional<double> lower, upper;   ///< rad or m, relative to the start
-  double motor_velocity = 0;            ///< rad/s or m/s
-  double motor_max_effort = 0;          ///< N m or N; 0: no motor
-  double spring = 0;                    ///< N m/rad or N/m, towards `rest`
-  double damper = 0;                    ///< N m s/rad or N s/m
-  double rest = 0;                      ///< rad or m
+  std::string parent;                  ///< model name, or "world"
+  std::string child;                   ///< model name
+  Vec3 anchor = Vec3::Zero();          ///< m, world, at t = 0
+  Vec3 axis{0, 0, 1};                  ///< unit, world, at t = 0
+  Vec3 axis2{1, 0, 0};                 ///< kUniversal: second axis, unit, orthogonal to axis
+  std::optional<double> lower, upper;  ///< rad or m, relative to the start
+  double motor_velocity = 0;           ///< rad/s or m/s
+  double motor_max_effort = 0;         ///< N m or N; 0: no motor
+  double spring = 0;                   ///< N m/rad or N/m, towards `rest`
+  double damper = 0;                   ///< N m s/rad or N s/m
+  double rest = 0;                     ///< rad or m
   Place place;
 };
 
 struct Coupling {
-  std::string engine = "ode";           ///< ode, free_body
-  std::string scheme = "auto";          ///< auto, interlinked, staggered
-  int substeps = 1;                     ///< engine steps per exchange
-  double rigid_step = 1e-3;             ///< s, step of the engine where no fluid sets it
-  bool contact_sets = true;             ///< send where each body touches the fluid beside its wrench
+  std::string engine = "ode";   ///< ode, free_body
+  std::string scheme = "auto";  ///< auto, interlinked, staggered
+  int substeps = 1;             ///< engine steps per exchange
+  double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
+  bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench
 };
 
 enum class Pressure { kAuto, kWcsph };
@@ -159,32 +160,32 @@ enum class KernelKind { kAuto, kCubic, kWendland };
 struct Numerics {
   Pressure pressure = Pressure::kAuto;
   KernelKind kernel = KernelKind::kAuto;
-  double sound_speed = 0;               ///< m/s; 0: ten times the largest speed expected
-  double courant = 0;                   ///< of the acoustic step; 0: the solver's own
-  double diffusion = 0.1;               ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
-  double artificial_viscosity = 0.02;   ///< alpha of the explicit solver (Monaghan 1992), between particles only
-  bool relax = true;                    ///< relax the particles at the start
+  double sound_speed = 0;              ///< m/s; 0: ten times the largest speed expected
+  double courant = 0;                  ///< of the acoustic step; 0: the solver's own
+  double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
+  double artificial_viscosity = 0.02;  ///< alpha of the explicit solver (Monaghan 1992), between particles only
+  bool relax = true;                   ///< relax the particles at the start
 };
 
 enum class ProbeKind { kLevel, kPressure, kForce, kPose, kPressureError };
 
 /// Something measured at every output time. Columns in probes.csv:
-/// kLevel "name" (m); kPressure "name" (Pa); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque about
-/// its centre of mass, or about its frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz";
+/// kLevel "name" (m); kPressure "name" (Pa); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque
+/// about its centre of mass, or about its frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz";
 /// kPressureError "name": L2 over the fluid's particles of p - rho g (level - z), over rho g depth.
 struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLevel;
-  Vec3 at = Vec3::Zero();               ///< kLevel (x, y), kPressure (x, y, z), m
-  std::string target;                   ///< kForce, kPose: model; kPressureError: fluid
+  Vec3 at = Vec3::Zero();  ///< kLevel (x, y), kPressure (x, y, z), m
+  std::string target;      ///< kForce, kPose: model; kPressureError: fluid
   Place place;
 };
 
 struct Output {
-  double every = 0.02;                  ///< s between rows of bodies.csv and probes.csv
-  bool vtk = false;                     ///< ParaView files at every row
-  bool picture = false;                 ///< picture.png of the last state
-  Vec3 camera = Vec3::Zero();           ///< eye position for the picture, m; zero: chosen
+  double every = 0.02;         ///< s between rows of bodies.csv and probes.csv
+  bool vtk = false;            ///< ParaView files at every row
+  bool picture = false;        ///< picture.png of the last state
+  Vec3 camera = Vec3::Zero();  ///< eye position for the picture, m; zero: chosen
 };
 
 enum class ExpectKind { kLostParticles, kMoved, kInside, kColumn, kInitialAcceleration, kJitter, kMomentum, kTrack };
@@ -192,27 +193,28 @@ enum class ExpectKind { kLostParticles, kMoved, kInside, kColumn, kInitialAccele
 /// One condition that makes the scene a test.
 struct Expect {
   ExpectKind kind = ExpectKind::kColumn;
-  std::string models;                   ///< name or pattern with * : kMoved, kInside, kInitialAcceleration, kJitter
-  std::string container;                ///< kInside: model whose inside must hold the models and all particles
-  std::string column;                   ///< kColumn: "model.x" .. of bodies.csv or a column of probes.csv
-  std::string statistic = "last";       ///< kColumn: last, mean, min, max, max_abs, rms (about the mean), change (last - first), slope
-  double from = 0, to = 1e300;          ///< s, window of the samples used
-  std::optional<double> equals;         ///< target value; with `within`
-  std::optional<double> within;         ///< absolute tolerance (SI)
-  std::optional<double> within_relative;///< relative tolerance, from "within: 4 %"
-  std::optional<double> below, above;   ///< bounds
-  int at_least = 0;                     ///< kMoved: how many models
-  double by = 0;                        ///< kMoved: how far, m
-  double coefficient = 0;               ///< kInitialAcceleration: added mass per displaced fluid mass
-  std::string fluid;                    ///< kInitialAcceleration: the fluid around it
-  std::string reference;                ///< kTrack: CSV file (t, value), relative to the references folder
-  double time_offset = 0;               ///< kTrack: reference time = simulated time - time_offset, s
-  double value_offset = 0;              ///< kTrack: reference value = simulated value - value_offset
+  std::string models;     ///< name or pattern with * : kMoved, kInside, kInitialAcceleration, kJitter
+  std::string container;  ///< kInside: model whose inside must hold the models and all particles
+  std::string column;     ///< kColumn: "model.x" .. of bodies.csv or a column of probes.csv
+  std::string statistic =
+      "last";  ///< kColumn: last, mean, min, max, max_abs, rms (about the mean), change (last - first), slope
+  double from = 0, to = 1e300;            ///< s, window of the samples used
+  std::optional<double> equals;           ///< target value; with `within`
+  std::optional<double> within;           ///< absolute tolerance (SI)
+  std::optional<double> within_relative;  ///< relative tolerance, from "within: 4 %"
+  std::optional<double> below, above;     ///< bounds
+  int at_least = 0;                       ///< kMoved: how many models
+  double by = 0;                          ///< kMoved: how far, m
+  double coefficient = 0;                 ///< kInitialAcceleration: added mass per displaced fluid mass
+  std::string fluid;                      ///< kInitialAcceleration: the fluid around it
+  std::string reference;                  ///< kTrack: CSV file (t, value), relative to the references folder
+  double time_offset = 0;                 ///< kTrack: reference time = simulated time - time_offset, s
+  double value_offset = 0;                ///< kTrack: reference value = simulated value - value_offset
   Place place;
 };
 
 struct Scene {
-  std::string name;                     ///< file name without folder and ending
+  std::string name;  ///< file name without folder and ending
   std::string description;
   World world;
   std::vector<Fluid> fluids;

@@ -1,5 +1,6 @@
-// Pressure on the samples, wrenches on the bodies, and the acceleration that a free body will have: found together, because
-// the pressure extrapolated onto a body's samples depends on its acceleration and a light body's acceleration on it.
+// Pressure on the samples, wrenches on the bodies, and the acceleration that a free body will have: found together,
+// because the pressure extrapolated onto a body's samples depends on its acceleration and a light body's acceleration
+// on it.
 #pragma once
 #include <span>
 #include <vector>
@@ -23,10 +24,11 @@ class Response {
   /// From the sums of the wet samples: extrapolated pressure of each into items.record (Adami, Hu and Adams 2012)
   ///   p_b = [sum V_k W p_k + (G - a_b) . sum V_k W rho_k (x_b - x_k)] / sum V_k W,
   /// velocity that the viscous term sees (2 v_b - mean of the fluid's) into extras.viscous, and the wrenches, which are
-  /// minus the forces that accelerate() will put on the particles. For a free body with mobility K and free acceleration a0
+  /// minus the forces that accelerate() will put on the particles. For a free body with mobility K and free
+  /// acceleration a0
   ///   a = a0 + K (F - Q a),  F the wrench at a = 0, Q a the wrench that the term -a_b adds: one 6x6 system per body.
-  void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums, const PassConstants& constants,
-             std::span<const exchange::BodyState> states, Scheme scheme);
+  void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
+             const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme);
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   /// Where the fluid touches each moving body, wet patches only.
@@ -40,15 +42,15 @@ class Response {
  private:
   struct Wet {  // one wet sample
     std::uint32_t item, body;
-    Eigen::Vector3f arm;       // world, from the centre of mass
-    float penetration;         // of the nearest particle's edge below the surface, m
-    float p0;                  // pressure without the body's acceleration
-    Eigen::Vector3f reach;     // sum V W rho (x_b - x_k) / sum V W
-    Eigen::Vector3f area;      // S: force per unit pressure
-    Eigen::Vector3f force;     // what does not depend on p_b
+    Eigen::Vector3f arm;    // world, from the centre of mass
+    float penetration;      // of the nearest particle's edge below the surface, m
+    float p0;               // pressure without the body's acceleration
+    Eigen::Vector3f reach;  // sum V W rho (x_b - x_k) / sum V W
+    Eigen::Vector3f area;   // S: force per unit pressure
+    Eigen::Vector3f force;  // what does not depend on p_b
   };
-  void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums, const PassConstants& constants,
-               std::span<const exchange::BodyState> states);
+  void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
+               const PassConstants& constants, std::span<const exchange::BodyState> states);
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
   void gather_contacts(std::span<const exchange::BodyState> states);
@@ -57,11 +59,11 @@ class Response {
   int threads_;
   bool want_contacts_;
   double spacing_;
-  std::vector<Wet> wet_;                           // by sample
-  std::vector<std::uint32_t> wet_stamp_;           // by sample: step in which it was last wet
+  std::vector<Wet> wet_;                  // by sample
+  std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
   std::uint32_t stamp_ = 0;
-  std::vector<Eigen::Vector3f> final_force_;       // by sample
-  std::vector<std::uint32_t> wet_sample_;          // samples wet now, in item order
+  std::vector<Eigen::Vector3f> final_force_;  // by sample
+  std::vector<std::uint32_t> wet_sample_;     // samples wet now, in item order
   std::vector<exchange::Wrench> wrenches_;
   std::vector<Eigen::Matrix<double, 6, 1>> acceleration_;
   std::vector<Vec3> spin_;

@@ -25,8 +25,14 @@ Box3 in_body_frame(const Box3& box, const Pose& pose) {
 Record place_one(const Vec3& position, const Vec3& velocity, float volume, const Coordinates& coordinates) {
   if (!coordinates.holds(position)) return Record{};
   const Fixed3 at = coordinates.to_fixed(position);
-  return {at[0], at[1], at[2], 0.f, static_cast<float>(velocity[0]), static_cast<float>(velocity[1]),
-          static_cast<float>(velocity[2]), -volume};
+  return {at[0],
+          at[1],
+          at[2],
+          0.f,
+          static_cast<float>(velocity[0]),
+          static_cast<float>(velocity[1]),
+          static_cast<float>(velocity[2]),
+          -volume};
 }
 
 /// Patches of about four spacings, one set per side of the body, so that a contact has one normal.
@@ -34,13 +40,14 @@ std::array<int, 5> patch_key(std::uint32_t body, const SurfaceSample& sample, do
   Eigen::Index axis = 0;
   sample.normal.cwiseAbs().maxCoeff(&axis);
   const Vec3 cell = (sample.position / (4 * spacing)).array().floor();
-  return {static_cast<int>(body), static_cast<int>(2 * axis) + (sample.normal[axis] > 0), static_cast<int>(cell[0]), static_cast<int>(cell[1]),
-          static_cast<int>(cell[2])};
+  return {static_cast<int>(body), static_cast<int>(2 * axis) + (sample.normal[axis] > 0), static_cast<int>(cell[0]),
+          static_cast<int>(cell[1]), static_cast<int>(cell[2])};
 }
 
 }  // namespace
 
-Samples Samples::make(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates, double depth) {
+Samples Samples::make(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates,
+                      double depth) {
   Samples s;
   std::map<std::array<int, 5>, std::uint32_t> patches;
   Box3 window = coordinates.domain;
@@ -91,7 +98,8 @@ exchange::BodyState initial_state(const Model& model, const Body& body, const Ve
   exchange::BodyState state{};
   Vec3::Map(state.position) = body.pose.position;
   const Quat& q = body.pose.rotation;
-  state.orientation[0] = q.w(), state.orientation[1] = q.x(), state.orientation[2] = q.y(), state.orientation[3] = q.z();
+  state.orientation[0] = q.w(), state.orientation[1] = q.x(), state.orientation[2] = q.y(),
+  state.orientation[3] = q.z();
   if (model.motion == Motion::kDynamic) {
     Vec3::Map(state.velocity) = model.velocity;
     Vec3::Map(state.angular_velocity) = model.angular_velocity;

@@ -26,7 +26,8 @@ struct Samples {
   std::vector<std::uint32_t> patch_body;
 
   /// Fills every solid to `depth` below its surface.
-  static Samples make(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates, double depth);
+  static Samples make(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates,
+                      double depth);
 
   std::size_t size() const { return body.size(); }
   std::size_t memory() const;  ///< bytes of all its arrays

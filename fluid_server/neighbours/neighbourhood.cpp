@@ -1,5 +1,5 @@
-// Counting sort of particles by cell, merged with the boundary samples near them. The order within a cell is that before,
-// so the result does not depend on the number of threads.
+// Counting sort of particles by cell, merged with the boundary samples near them. The order within a cell is that
+// before, so the result does not depend on the number of threads.
 #include "fluid_server/neighbours/neighbourhood.h"
 
 #include <algorithm>
@@ -14,7 +14,9 @@ std::uint32_t whole_cells(double length, double size) {
 }
 
 /// First particle of the block that thread t of n sorts.
-std::size_t block_begin(std::size_t size, int t, int n) { return size * static_cast<std::size_t>(t) / static_cast<std::size_t>(n); }
+std::size_t block_begin(std::size_t size, int t, int n) {
+  return size * static_cast<std::size_t>(t) / static_cast<std::size_t>(n);
+}
 
 }  // namespace
 
@@ -101,7 +103,8 @@ void Neighbourhood::total_rows() {
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint32_t total = 0;
     row_fluid_[row] = 0;
-    if (std::none_of(row_touched_.begin(), row_touched_.end(), [row](const auto& touched) { return touched[row]; })) continue;
+    if (std::none_of(row_touched_.begin(), row_touched_.end(), [row](const auto& touched) { return touched[row]; }))
+      continue;
     for (auto& touched : row_touched_) touched[row] = 1;  // offsets will stand there
     std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(row) * blocks_x;
     std::memset(occupied, 0, blocks_x);
@@ -201,7 +204,7 @@ void Neighbourhood::place_rows() {
   }
   for (auto* v : {&x, &y, &z}) v->resize(all + kTail);
   record.resize(all + kTail);
-  source.resize(all);
+  source.resize(all + kTail);
   fluid_item.resize(fluid);
   sample_item.resize(all - fluid);
   const std::uint32_t nx = cells_.count[0];
@@ -209,7 +212,8 @@ void Neighbourhood::place_rows() {
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     if (!row_filled_[row]) continue;
     std::uint32_t item = row_all_[row], particle = row_fluid_[row];
-    const bool any_fluid = std::any_of(row_touched_.begin(), row_touched_.end(), [row](const auto& t) { return t[row]; });
+    const bool any_fluid =
+        std::any_of(row_touched_.begin(), row_touched_.end(), [row](const auto& t) { return t[row]; });
     const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
     const std::size_t first = static_cast<std::size_t>(row) * (nx + 1);
     for (std::uint32_t cx = 0; cx < nx; ++cx) {

@@ -1,5 +1,5 @@
-// Particles and the boundary samples near them in one set ("items"), sorted by cell: x fastest, cells of the support radius
-// along y and z and a quarter of it along x. Neighbour lists over the items live here too; passes/ builds them.
+// Particles and the boundary samples near them in one set ("items"), sorted by cell: x fastest, cells of the support
+// radius along y and z and a quarter of it along x. Neighbour lists over the items live here too; passes/ builds them.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -19,7 +19,9 @@ struct Cells {
   static std::uint32_t along(std::uint32_t x, std::uint32_t n) {
     return static_cast<std::uint32_t>((static_cast<std::uint64_t>(x) * n) >> 32);
   }
-  std::uint32_t row(std::uint32_t y, std::uint32_t z) const { return along(z, count[2]) * count[1] + along(y, count[1]); }
+  std::uint32_t row(std::uint32_t y, std::uint32_t z) const {
+    return along(z, count[2]) * count[1] + along(y, count[1]);
+  }
   std::uint32_t cell(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return row(y, z) * count[0] + along(x, count[0]);
   }
@@ -28,15 +30,17 @@ struct Cells {
   std::uint32_t blocks_x() const { return (count[0] + kFine - 1) / kFine; }
 };
 
-/// Neighbour lists of all items: 32-bit item indices, padded with the item itself to a multiple of kPad (a pair of an item
-/// with itself contributes nothing to any sum). Chunks of items are built by whichever thread is free.
+/// Neighbour lists of all items: 32-bit item indices, padded with the item itself to a multiple of kPad (a pair of an
+/// item with itself contributes nothing to any sum). Chunks of items are built by whichever thread is free.
 struct Lists {
   static constexpr std::uint32_t kPad = 16, kChunk = 256;
   std::vector<std::vector<std::uint32_t>> buffer;  ///< one per thread
   std::vector<std::uint32_t> buffer_of_chunk;
-  std::vector<std::uint32_t> start;                ///< per item, in its chunk's buffer
-  std::vector<std::uint16_t> count;                ///< per item, without padding
-  const std::uint32_t* of(std::uint32_t item) const { return buffer[buffer_of_chunk[item / kChunk]].data() + start[item]; }
+  std::vector<std::uint32_t> start;  ///< per item, in its chunk's buffer
+  std::vector<std::uint16_t> count;  ///< per item, without padding
+  const std::uint32_t* of(std::uint32_t item) const {
+    return buffer[buffer_of_chunk[item / kChunk]].data() + start[item];
+  }
 };
 
 class Neighbourhood {
@@ -49,19 +53,20 @@ class Neighbourhood {
   /// Samples that never move. Sample indices in `source` are those of this span.
   void set_static_samples(std::span<const Record> samples);
 
-  /// Sorts `before` into `after` (same size, both resized by the caller's first use) and gathers the items: all particles
-  /// and every sample that can have one within the support. `moving` samples have index first_moving + k.
+  /// Sorts `before` into `after` (same size, both resized by the caller's first use) and gathers the items: all
+  /// particles and every sample that can have one within the support. `moving` samples have index first_moving + k.
   void rebuild(const Particles& before, Particles& after, std::span<const Record> moving, std::uint32_t first_moving);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(record.size() - kTail); }
   const Cells& cells() const { return cells_; }
   const Coordinates& coordinates() const { return coordinates_; }
   std::size_t memory() const;  ///< bytes of all its arrays, lists included
-  /// First item of each cell, and the end of the row: count[0] + 1 entries a row; meaningless in rows that are not filled.
+  /// First item of each cell, and the end of the row: count[0] + 1 entries a row; meaningless in rows that are not
+  /// filled.
   std::span<const std::uint32_t> cell_start() const { return start_; }
   bool row_filled(std::size_t row) const { return row_filled_[row]; }
 
-  // Items, in cell order; x, y, z and record have kTail entries more so that vectors may read past the end.
+  // Items, in cell order; x, y, z, record and source have kTail entries more so that vectors may read past the end.
   static constexpr std::uint32_t kTail = 64;
   std::vector<std::uint32_t> x, y, z;
   std::vector<Record> record;
@@ -87,12 +92,12 @@ class Neighbourhood {
   std::vector<std::vector<std::uint32_t>> histogram_;  // per sorting thread and cell
   // per row; most rows of a domain with room for splashes are empty and cost nothing
   std::vector<std::uint32_t> row_fluid_, row_all_;
-  std::vector<std::uint8_t> row_filled_;                     // has items
-  std::vector<std::vector<std::uint8_t>> row_touched_;       // per sorting thread: its histogram may be non-zero there
+  std::vector<std::uint8_t> row_filled_;                // has items
+  std::vector<std::vector<std::uint8_t>> row_touched_;  // per sorting thread: its histogram may be non-zero there
   // per block (row, kFine cells)
   std::vector<std::uint8_t> occupied_, active_;
-  std::vector<std::uint32_t> cell_of_;                 // of particles before
-  std::vector<std::uint32_t> moving_cell_;             // of moving samples; ~0u: inactive
+  std::vector<std::uint32_t> cell_of_;      // of particles before
+  std::vector<std::uint32_t> moving_cell_;  // of moving samples; ~0u: inactive
   std::vector<Record> static_record_;
   std::vector<std::uint32_t> static_source_;
 };

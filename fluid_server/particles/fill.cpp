@@ -14,8 +14,8 @@ namespace {
 
 /// Where a fluid may be before bodies are carved out.
 struct Region {
-  Box3 bounds;                                   // lattice is laid from bounds.min with whole cells to bounds.max
-  std::function<double(const Vec3&)> distance;   // signed, negative inside, m
+  Box3 bounds;                                  // lattice is laid from bounds.min with whole cells to bounds.max
+  std::function<double(const Vec3&)> distance;  // signed, negative inside, m
   double top;
 };
 
@@ -26,7 +26,8 @@ double box_distance(const Box3& box, const Vec3& p, int dimension) {
 }
 
 Error fill_error(const Fluid& fluid, std::string what, std::string cure) {
-  return {std::move(what), std::move(cure), fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
+  return {std::move(what), std::move(cure),
+          fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
 }
 
 Result<Region> level_region(const Scene& scene, const std::vector<Body>& bodies, const Fluid& fluid) {
@@ -38,7 +39,8 @@ Result<Region> level_region(const Scene& scene, const std::vector<Body>& bodies,
     const double level = fluid.fill.level;
     // Room of the container: bounds of the solid less its walls is not needed exactly, sites outside are refused.
     Box3 local = solid->bounds();
-    if (scene.models[b].shape.kind == ShapeKind::kOpenBox) local = {Vec3::Zero(), scene.models[b].shape.size};
+    if (scene.models[b].shape.kind == ShapeKind::kOpenBox)
+      local = {Vec3::Zero(), scene.models[b].shape.size};
     else if (scene.models[b].shape.hollow) {
       const Shape& shape = scene.models[b].shape;
       Vec3 half = Vec3::Constant(shape.radius);
@@ -59,7 +61,8 @@ Result<Region> level_region(const Scene& scene, const std::vector<Body>& bodies,
     };
     return Region{bounds, distance, bounds.max[2]};
   }
-  return fill_error(fluid, fmt::format("fluid '{}' fills '{}', which is not a container", fluid.name, fluid.fill.container),
+  return fill_error(fluid,
+                    fmt::format("fluid '{}' fills '{}', which is not a container", fluid.name, fluid.fill.container),
                     "name a model whose shape is open_box, hollow_sphere or hollow_cylinder");
 }
 
@@ -92,7 +95,7 @@ Result<Region> region_of(const Scene& scene, const std::vector<Body>& bodies, co
 /// One lattice site that may hold a particle.
 struct Site {
   Vec3 position;
-  double clearance;   // from the region's edge and from all solids, m; negative outside
+  double clearance;  // from the region's edge and from all solids, m; negative outside
   std::size_t index;
 };
 
@@ -126,8 +129,10 @@ class Obstacles {
   std::vector<One> one_;
 };
 
-/// Share of a lattice cell that is fluid, from distances at the centres of 4 sub-cells per axis; exact for faces along axes.
-double cell_share(const std::function<double(const Vec3&)>& outside, const Vec3& centre, const Vec3& pitch, int dimension) {
+/// Share of a lattice cell that is fluid, from distances at the centres of 4 sub-cells per axis; exact for faces along
+/// axes.
+double cell_share(const std::function<double(const Vec3&)>& outside, const Vec3& centre, const Vec3& pitch,
+                  int dimension) {
   constexpr int n = 4;
   double share = 0;
   for (int a = 0; a < n; ++a)
@@ -143,12 +148,12 @@ double cell_share(const std::function<double(const Vec3&)>& outside, const Vec3&
 struct FilledOne {
   std::vector<Site> sites;
   std::vector<Vec3> ghosts;
-  double volume = 0;          // of all particles, m^3
+  double volume = 0;  // of all particles, m^3
   double asked = 0;
 };
 
-/// The `wanted` sites with the largest clearance. Where a flat surface leaves many equal ones to choose from, every n-th in
-/// lattice order: any other choice would weight one side of a body.
+/// The `wanted` sites with the largest clearance. Where a flat surface leaves many equal ones to choose from, every
+/// n-th in lattice order: any other choice would weight one side of a body.
 std::vector<Site> clearest(std::vector<Site> sites, std::size_t wanted, double equal) {
   if (sites.size() <= wanted || wanted == 0) return sites;
   std::vector<double> clearances;
@@ -159,7 +164,8 @@ std::vector<Site> clearest(std::vector<Site> sites, std::size_t wanted, double e
   const auto above = [&](const Site& site) { return site.clearance > cut + equal; };
   const auto at = [&](const Site& site) { return !above(site) && site.clearance >= cut - equal; };
   const std::size_t sure = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), above));
-  const std::size_t ties = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), at)), open = wanted - sure;
+  const std::size_t ties = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), at)),
+                    open = wanted - sure;
   std::size_t seen = 0;
   std::erase_if(sites, [&](const Site& site) {
     if (above(site)) return false;
@@ -195,10 +201,14 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
         Vec3 p = origin + Vec3(ix + 0.5, iy + 0.5, iz + 0.5).cwiseProduct(pitch);
         if (dimension == 2) p[1] = 0;
         const double phi = region.distance(p), free = obstacles.clearance(p), s = std::max(phi, -free);
-        if (phi < -near) out.asked += cell;
-        else if (phi < near) out.asked += cell * cell_share(region.distance, p, pitch, dimension);
-        if (s < -near) out.volume += cell;
-        else if (s < near) out.volume += cell * cell_share(outside, p, pitch, dimension);
+        if (phi < -near)
+          out.asked += cell;
+        else if (phi < near)
+          out.asked += cell * cell_share(region.distance, p, pitch, dimension);
+        if (s < -near)
+          out.volume += cell;
+        else if (s < near)
+          out.volume += cell * cell_share(outside, p, pitch, dimension);
         if (s < 0.5 * d) out.sites.push_back({p, -s, index});
         if (phi > 0.25 * d && phi < support && free > 0.25 * d) out.ghosts.push_back(p);
       }
@@ -207,14 +217,20 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
   return out;
 }
 
-Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, double top, double volume, const Scene& scene,
-                   const Coordinates& coordinates) {
+Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, double top, double volume,
+                   const Scene& scene, const Coordinates& coordinates) {
   const Fixed3 at = coordinates.to_fixed(site.position);
   const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site.position - centre);
   const double depth = std::max(top - site.position[2], 0.0);
   const double p = -fluid.density * scene.world.gravity[2] * depth;
-  return {at[0], at[1], at[2], static_cast<float>(p), static_cast<float>(v[0]), static_cast<float>(v[1]),
-          static_cast<float>(v[2]), static_cast<float>(volume)};
+  return {at[0],
+          at[1],
+          at[2],
+          static_cast<float>(p),
+          static_cast<float>(v[0]),
+          static_cast<float>(v[1]),
+          static_cast<float>(v[2]),
+          static_cast<float>(volume)};
 }
 
 }  // namespace
@@ -229,8 +245,9 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
     if (!region) return region.error();
     const FilledOne one = fill_one(*region, obstacles, scene, support);
     if (one.sites.empty())
-      return fill_error(fluid, fmt::format("fluid '{}' has no particle: its fill has a volume of {:.3g} m^3 after carving",
-                                           fluid.name, one.volume),
+      return fill_error(fluid,
+                        fmt::format("fluid '{}' has no particle: its fill has a volume of {:.3g} m^3 after carving",
+                                    fluid.name, one.volume),
                         "make the fill larger, the spacing smaller, or move the bodies out of it");
     const double volume = one.volume / static_cast<double>(one.sites.size());
     FluidProperties properties;
@@ -241,20 +258,22 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
     properties.count = static_cast<std::uint32_t>(one.sites.size());
     const Vec3 centre = 0.5 * (region->bounds.min + region->bounds.max);
     for (const Site& site : one.sites) {
-      if (!coordinates.holds(site.position))
-        return fill_error(fluid, fmt::format("fluid '{}' reaches outside the domain at ({:.3g}, {:.3g}, {:.3g}) m", fluid.name,
-                                             site.position[0], site.position[1], site.position[2]),
+      if (!coordinates.inside(site.position))
+        return fill_error(fluid,
+                          fmt::format("fluid '{}' reaches outside the domain at ({:.3g}, {:.3g}, {:.3g}) m", fluid.name,
+                                      site.position[0], site.position[1], site.position[2]),
                           "enlarge world.domain or move the fill");
       filled.particles.id.push_back(static_cast<std::uint32_t>(filled.particles.id.size()));
       filled.particles.record.push_back(make_record(site, fluid, centre, region->top, volume, scene, coordinates));
     }
     for (const Vec3& p : one.ghosts)
-      if (coordinates.holds(p)) {
+      if (coordinates.inside(p)) {  // across a periodic border lies fluid, not a ghost
         const Fixed3 at = coordinates.to_fixed(p);
         filled.ghosts.push_back({at[0], at[1], at[2], 0, 0, 0, 0, static_cast<float>(-volume)});
       }
     filled.fluids.push_back(properties);
-    filled.reports.push_back({fluid.name, one.asked, one.volume, one.volume * fluid.density, region->top, one.sites.size()});
+    filled.reports.push_back(
+        {fluid.name, one.asked, one.volume, one.volume * fluid.density, region->top, one.sites.size()});
   }
   return filled;
 }

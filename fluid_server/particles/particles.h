@@ -1,7 +1,7 @@
 // The particles: one 32-byte record each, as the passes over pairs read it, in the order of the cells they lie in.
 #pragma once
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace ballast::fluid {
@@ -18,7 +18,7 @@ static_assert(sizeof(Record) == 32, "two quarters of a cache line: the pair pass
 /// All particles of all fluids, sorted by cell.
 struct Particles {
   std::vector<Record> record;
-  std::vector<std::uint32_t> id;        ///< unchanging name of the particle: its place in the initial fill
+  std::vector<std::uint32_t> id;  ///< unchanging name of the particle: its place in the initial fill
   std::size_t size() const { return record.size(); }
   /// One line per field: sorting, saving, hashing and snapshots follow from it.
   template <class Visit>
@@ -33,9 +33,9 @@ struct Particles {
 
 /// What all particles of one fluid have in common; particles belong to the fluid in whose range of ids they are.
 struct FluidProperties {
-  float density = 1000;    ///< rest density, kg/m^3
-  float viscosity = 0;     ///< Pa s
-  float volume = 0;        ///< of one particle, m^3
+  float density = 1000;  ///< rest density, kg/m^3
+  float viscosity = 0;   ///< Pa s
+  float volume = 0;      ///< of one particle, m^3
   std::uint32_t first_id = 0, count = 0;
 };
 

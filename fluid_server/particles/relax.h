@@ -1,5 +1,5 @@
-// Relaxing the start: cutting a lattice along a curved surface leaves holes and overlaps that cost most of the added mass;
-// some hundred small moves down the gradient of the summed density close them.
+// Relaxing the start: cutting a lattice along a curved surface leaves holes and overlaps that cost most of the added
+// mass; some hundred small moves down the gradient of the summed density close them.
 #pragma once
 #include <span>
 
@@ -12,7 +12,7 @@ struct RelaxReport {
   int moves = 0;             ///< rounds done
   double spread_before = 0;  ///< standard deviation of the summed density over 1, particles away from the free surface
   double spread_after = 0;
-  double last_move = 0;      ///< largest move of the last round, spacings
+  double last_move = 0;  ///< largest move of the last round, spacings
 };
 
 /// Moves the particles by -0.2 d^2 sum V grad W, at most 0.1 d a round, until the largest move is below 5e-4 d or after

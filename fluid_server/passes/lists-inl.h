@@ -39,7 +39,8 @@ class ListBuilder {
     int last = first;
     std::uint32_t next = begin + 1;
     for (; next < end && next - begin < kGroup; ++next) {
-      if (cells.row(items_.y[next], items_.z[next]) != row || cell_x(next) > first + static_cast<int>(Cells::kFine)) break;
+      if (cells.row(items_.y[next], items_.z[next]) != row || cell_x(next) > first + static_cast<int>(Cells::kFine))
+        break;
       last = cell_x(next);
     }
     Window windows[18];
@@ -68,7 +69,9 @@ class ListBuilder {
     std::uint32_t begin, end;
   };
 
-  int cell_x(std::uint32_t item) const { return static_cast<int>(Cells::along(items_.x[item], items_.cells().count[0])); }
+  int cell_x(std::uint32_t item) const {
+    return static_cast<int>(Cells::along(items_.x[item], items_.cells().count[0]));
+  }
 
   /// Ranges of items in the rows around `row`, between the cells first and last along x widened by the support.
   int find_windows(std::uint32_t row, int first, int last, Window* windows) const {
@@ -105,7 +108,8 @@ class ListBuilder {
 
   int add_window(int row, int first, int last, Window* windows, int count) const {
     if (!items_.row_filled(static_cast<std::size_t>(row))) return count;
-    const std::uint32_t* start = items_.cell_start().data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_ + 1);
+    const std::uint32_t* start =
+        items_.cell_start().data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_ + 1);
     const Window w{start[first], start[last + 1]};
     if (w.begin < w.end) windows[count++] = w;
     return count;

@@ -48,9 +48,9 @@ class Pairs {
     const float h = static_cast<float>(constants_.kernel.h());
     const float rate = rho * c * c * total(divergence) - 2 * constants_.diffusion * h * c * total(diffusion);
     const float p = own.p + constants_.dt * rate;
-    // Water at a free surface bears no tension, and a lone drop no pressure; splashes would bind to molecules otherwise.
-    const bool surface = total(fullness) < kSurface * Dim;
-    return (surface && p < 0) || items_.lists.count[item] == 0 ? 0.f : p;
+    // Spray bears no tension, and a lone drop no pressure; particles would bind to molecules otherwise.
+    const bool spray = total(fullness) < kSpray * Dim;
+    return (spray && p < 0) || items_.lists.count[item] == 0 ? 0.f : p;
   }
 
   /// Sums of a boundary sample over its fluid neighbours.
@@ -95,8 +95,14 @@ class Pairs {
         wvz = hn::MulAdd(vw, motion.c, wvz);
       }
     });
-    s = {total(w), total(wp), {total(wrx), total(wry), total(wrz)}, {total(gx), total(gy), total(gz)},
-         {total(px), total(py), total(pz)}, {total(wvx), total(wvy), total(wvz)}, total(a), {total(ax), total(ay), total(az)},
+    s = {total(w),
+         total(wp),
+         {total(wrx), total(wry), total(wrz)},
+         {total(gx), total(gy), total(gz)},
+         {total(px), total(py), total(pz)},
+         {total(wvx), total(wvy), total(wvz)},
+         total(a),
+         {total(ax), total(ay), total(az)},
          std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2)))};
     return s;
   }
@@ -152,8 +158,9 @@ class Pairs {
   }
 
  private:
-  // -sum V r . grad W is the dimension inside the fluid; below 0.8 of it a particle is at the surface (Lee et al. 2008)
-  static constexpr float kSurface = 0.8f;
+  // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
+  // spray. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
+  static constexpr float kSpray = 0.5f;
 
   struct Pair {
     VF x, y, z, r2, slope, p;  // r = x_i - x_j and its square, g, neighbour's pressure
@@ -165,7 +172,8 @@ class Pairs {
     const std::uint32_t* list = items_.lists.of(item);
     const std::uint32_t count = items_.lists.count[item];
     for (std::uint32_t k = 0; k < count; k += kLanes) {
-      const Quad place = load_transposed(F(), base_, list + k, 8), motion = load_transposed(F(), base_ + 4, list + k, 8);
+      const Quad place = load_transposed(F(), base_, list + k, 8),
+                 motion = load_transposed(F(), base_ + 4, list + k, 8);
       Pair r;
       r.x = distances_.metres(own.x, place.a, distances_.qx);
       r.z = distances_.metres(own.z, place.c, distances_.qz);
@@ -182,11 +190,12 @@ class Pairs {
     }
   }
 
-  /// q = rho (alpha c u + u^2), u the speed of approach: zero for pairs that part. The linear part between particles only:
-  /// on the samples it would drag at bodies in a flow without friction (measured: README.md).
+  /// q = rho (alpha c u + u^2), u the speed of approach: zero for pairs that part. The linear part between particles
+  /// only: on the samples it would drag at bodies in a flow without friction (measured: README.md).
   HWY_INLINE VF dissipation(const Record& own, const Pair& r, const Quad& motion, VF rho) const {
     const F d;
-    VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vx), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.vz), motion.c), r.z));
+    VF dot =
+        hn::MulAdd(hn::Sub(hn::Set(d, own.vx), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.vz), motion.c), r.z));
     if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vy), motion.b), r.y, dot);
     const VF length = hn::Sqrt(hn::Max(r.r2, hn::Set(d, 1e-30f)));
     const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));

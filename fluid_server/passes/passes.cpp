@@ -57,7 +57,8 @@ void AdvanceAll(const Neighbourhood& items, const ItemExtras& extras, const Pass
   const Pairs<Dim, K> pairs(items, extras, constants);
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f) pressure[f] = pairs.advanced_pressure(items.fluid_item[f]);
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     pressure[f] = pairs.advanced_pressure(items.fluid_item[f]);
                  });
 }
 
@@ -90,14 +91,14 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
 }
 
 /// Calls what<Dim, K> for the kernel in use.
-#define BALLAST_BY_KERNEL(what, kernel, ...)                                                          \
-  do {                                                                                                \
-    if ((kernel).dimension == 2)                                                                      \
-      (kernel).kind == KernelKind::kCubic ? what<2, KernelKind::kCubic>(__VA_ARGS__)                  \
-                                          : what<2, KernelKind::kWendland>(__VA_ARGS__);              \
-    else                                                                                              \
-      (kernel).kind == KernelKind::kCubic ? what<3, KernelKind::kCubic>(__VA_ARGS__)                  \
-                                          : what<3, KernelKind::kWendland>(__VA_ARGS__);              \
+#define BALLAST_BY_KERNEL(what, kernel, ...)                                             \
+  do {                                                                                   \
+    if ((kernel).dimension == 2)                                                         \
+      (kernel).kind == KernelKind::kCubic ? what<2, KernelKind::kCubic>(__VA_ARGS__)     \
+                                          : what<2, KernelKind::kWendland>(__VA_ARGS__); \
+    else                                                                                 \
+      (kernel).kind == KernelKind::kCubic ? what<3, KernelKind::kCubic>(__VA_ARGS__)     \
+                                          : what<3, KernelKind::kWendland>(__VA_ARGS__); \
   } while (false)
 
 void Build(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {

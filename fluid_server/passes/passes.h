@@ -12,26 +12,26 @@ namespace ballast::fluid {
 /// What all passes of a step share.
 struct PassConstants {
   Kernel kernel;
-  float sound_speed = 0;                ///< c, m/s
-  float diffusion = 0;                  ///< xi of the delta-SPH term (Molteni and Colagrossi 2009), no unit
-  float artificial_viscosity = 0;       ///< alpha of Monaghan (1992), no unit
-  float gravity[3] = {0, 0, 0};         ///< m/s^2
-  float dt = 0;                         ///< s
-  bool viscous = false;                 ///< some fluid has viscosity: `wall` is filled
-  bool several_densities = false;       ///< `density` is filled per item; else density[0] holds for all
+  float sound_speed = 0;           ///< c, m/s
+  float diffusion = 0;             ///< xi of the delta-SPH term (Molteni and Colagrossi 2009), no unit
+  float artificial_viscosity = 0;  ///< alpha of Monaghan (1992), no unit
+  float gravity[3] = {0, 0, 0};    ///< m/s^2
+  float dt = 0;                    ///< s
+  bool viscous = false;            ///< some fluid has viscosity: `wall` is filled
+  bool several_densities = false;  ///< `density` is filled per item; else density[0] holds for all
   int threads = 1;
 };
 
-/// Per item, only where needed: velocity that the viscous term sees, and viscosity (Pa s; negative: a sample, which takes
-/// on its neighbour's).
+/// Per item, only where needed: velocity that the viscous term sees, and viscosity (Pa s; negative: a sample, which
+/// takes on its neighbour's).
 struct ViscousRecord {
   float wx, wy, wz, mu;
 };
 
 /// Fields beside the records that some scenes need.
 struct ItemExtras {
-  std::vector<ViscousRecord> viscous;   ///< per item if PassConstants::viscous
-  std::vector<float> density;           ///< rest density per item (samples: any), or one value
+  std::vector<ViscousRecord> viscous;  ///< per item if PassConstants::viscous
+  std::vector<float> density;          ///< rest density per item (samples: any), or one value
 };
 
 /// Sums of one wet boundary sample over its fluid neighbours k.
@@ -47,10 +47,10 @@ struct SampleSums {
   float nearest;  ///< distance to the nearest neighbour, m; 0 if dry
 };
 
-/// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of every
-/// particle by continuity and density diffusion over dt: `new_pressure`, per particle.
+/// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of
+/// every particle by continuity and density diffusion over dt: `new_pressure`, per particle.
 ///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
-/// At a free surface, where -sum V_j r.g r falls below 0.8 of the dimension, tension is let go: p >= 0.
+/// In spray, where -sum V_j r.g r falls below half of the dimension, tension is let go: p >= 0.
 void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                                       std::vector<float>& new_pressure);
 
@@ -67,13 +67,14 @@ void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const 
 
 /// Acceleration of every particle, m/s^2, x y z in turn:
 ///   a_i = G - 1/rho_i sum V_j (p_i + p_j + q_ij) g r + 1/rho_i sum V_j (mu_i + mu_j) g (v_i - w_j)
-/// q_ij = rho (alpha c u + u^2) for pairs that approach with speed u: artificial viscosity (Monaghan 1992), its linear part
-/// between particles only, and the ram pressure of the encounter (von Neumann and Richtmyer 1950), second order in the
-/// spacing where the flow is smooth.
+/// q_ij = rho (alpha c u + u^2) for pairs that approach with speed u: artificial viscosity (Monaghan 1992), its linear
+/// part between particles only, and the ram pressure of the encounter (von Neumann and Richtmyer 1950), second order in
+/// the spacing where the flow is smooth.
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                 std::vector<float>& acceleration);
 
-/// Summed density sum V_j W (self included) and its gradient sum V_j g r of every particle, x y z in turn; samples count.
+/// Summed density sum V_j W (self included) and its gradient sum V_j g r of every particle, x y z in turn; samples
+/// count.
 void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
                  std::vector<float>& gradient);
 

@@ -70,7 +70,7 @@ struct VectorKernel {
         inverse_h(static_cast<float>(1 / (K == KernelKind::kCubic ? k.h() : k.support))),
         w_scale(static_cast<float>(k.scale())),
         g_scale(static_cast<float>(K == KernelKind::kCubic ? k.scale() / (k.h() * k.h())
-                                                            : -20 * k.scale() / (k.support * k.support))) {}
+                                                           : -20 * k.scale() / (k.support * k.support))) {}
   HWY_INLINE VF value(VF r2) const {
     const F d;
     const VF q = hn::Mul(hn::Sqrt(r2), hn::Set(d, inverse_h)), zero = hn::Zero(d);
@@ -104,7 +104,9 @@ struct VectorKernel {
 struct Distances {
   float qx, qy, qz;
   explicit Distances(const Coordinates& c)
-      : qx(static_cast<float>(c.quantum[0])), qy(static_cast<float>(c.quantum[1])), qz(static_cast<float>(c.quantum[2])) {}
+      : qx(static_cast<float>(c.quantum[0])),
+        qy(static_cast<float>(c.quantum[1])),
+        qz(static_cast<float>(c.quantum[2])) {}
   HWY_INLINE VF metres(std::uint32_t own, VF other_bits, float quantum) const {
     const I i;
     const auto difference = hn::Sub(hn::Set(i, static_cast<std::int32_t>(own)), hn::BitCast(i, other_bits));

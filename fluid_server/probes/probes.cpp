@@ -90,13 +90,18 @@ double pressure_at(const WcsphFluid& fluid, const Vec3& point) {
   return weight > 0 ? sum / weight : 0;
 }
 
-std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid, std::span<const exchange::BodyState> states) {
+std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
+                                std::span<const exchange::BodyState> states) {
   std::vector<double> row;
   for (const Probe& probe : scene.probes) {
     const std::size_t target = index_of(scene, probe.target);
     switch (probe.kind) {
-      case ProbeKind::kLevel: row.push_back(surface_level(fluid, probe.at[0], probe.at[1])); break;
-      case ProbeKind::kPressure: row.push_back(pressure_at(fluid, probe.at)); break;
+      case ProbeKind::kLevel:
+        row.push_back(surface_level(fluid, probe.at[0], probe.at[1]));
+        break;
+      case ProbeKind::kPressure:
+        row.push_back(pressure_at(fluid, probe.at));
+        break;
       case ProbeKind::kForce: {
         const exchange::Wrench& w = fluid.wrenches()[target];
         row.insert(row.end(), w.force, w.force + 3);
@@ -131,10 +136,12 @@ std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies,
     bool held = containers.empty(), inside = false;
     for (std::size_t b = 0; b < bodies.size() && !inside; ++b) {
       const Vec3 position = Vec3::Map(states[b].position);
-      const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2], states[b].orientation[3]);
+      const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2],
+                   states[b].orientation[3]);
       const Vec3 local = q.conjugate() * (p - position);
       const Box3 bounds = bodies[b].solid.bounds();
-      if (bodies[b].solid.is_container()) held |= bodies[b].solid.room_distance(local) < tolerance;
+      if (bodies[b].solid.is_container())
+        held |= bodies[b].solid.room_distance(local) < tolerance;
       else if (((local - bounds.min).array() >= 0).all() && ((bounds.max - local).array() >= 0).all())
         inside = bodies[b].solid.distance(local) < -tolerance;
     }

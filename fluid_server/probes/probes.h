@@ -10,10 +10,11 @@
 namespace ballast::fluid {
 
 /// Values of all probes now, in the order of scene.probes.
-std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid, std::span<const exchange::BodyState> states);
+std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
+                                std::span<const exchange::BodyState> states);
 
-/// Height of the free surface above (x, y): highest z where the kernel sum of the particles crosses one half, m; the lowest
-/// z of the domain if there is no fluid.
+/// Height of the free surface above (x, y): highest z where the kernel sum of the particles crosses one half, m; the
+/// lowest z of the domain if there is no fluid.
 double surface_level(const WcsphFluid& fluid, double x, double y);
 
 /// Kernel mean of the particles' pressure, carried to the point along the hydrostatic gradient, Pa; 0 away from fluid.

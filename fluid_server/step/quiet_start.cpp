@@ -1,10 +1,10 @@
 // The pressure of an incompressible fluid at the moment of release, so that a run does not begin with a sound wave.
 //
-// A hydrostatic start is wrong wherever something gives way at t = 0: a body released under water, a dam that is suddenly
-// gone. A compressible fluid answers with waves that hide the first accelerations. The pressure sought makes the
-// acceleration free of divergence, D a(p) = 0, bodies included. With positions frozen and accelerations in the place of
-// velocities, p'' = -rho c^2 D a(p) is the fluid's own wave equation: damped critically at its slowest wave (heavy ball,
-// Polyak 1964) it comes to rest at that pressure.
+// A hydrostatic start is wrong wherever something gives way at t = 0: a body released under water, a dam that is
+// suddenly gone. A compressible fluid answers with waves that hide the first accelerations. The pressure sought makes
+// the acceleration free of divergence, D a(p) = 0, bodies included. With positions frozen and accelerations in the
+// place of velocities, p'' = -rho c^2 D a(p) is the fluid's own wave equation: damped critically at its slowest wave
+// (heavy ball, Polyak 1964) it comes to rest at that pressure.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,8 +16,8 @@ namespace ballast::fluid {
 namespace {
 
 constexpr int kMostRounds = 3000;
-constexpr double kCourant = 0.6;       // of h / c, as in time
-constexpr double kConverged = 1e-4;    // largest change of pressure in a round over the largest pressure
+constexpr double kCourant = 0.6;     // of h / c, as in time
+constexpr double kConverged = 1e-4;  // largest change of pressure in a round over the largest pressure
 
 double longest_extent(const Particles& particles, const Coordinates& coordinates) {
   Vec3 low = Vec3::Constant(1e300), high = -low;

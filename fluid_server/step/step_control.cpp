@@ -10,7 +10,8 @@ Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine
   const auto shorten = [&](double bound, Limit limit) {
     if (bound < step.dt) step = {bound, limit};
   };
-  if (limits.kinematic_viscosity > 0) shorten(limits.h * limits.h / (8 * limits.kinematic_viscosity), Limit::kViscosity);
+  if (limits.kinematic_viscosity > 0)
+    shorten(limits.h * limits.h / (8 * limits.kinematic_viscosity), Limit::kViscosity);
   if (facts.max_acceleration > 0) shorten(0.25 * std::sqrt(limits.h / facts.max_acceleration), Limit::kAcceleration);
   shorten(limits.staggered, Limit::kStaggered);
   shorten(engine_bound, Limit::kEngine);

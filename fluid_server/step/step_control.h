@@ -20,11 +20,11 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(Limit::kCount)
     "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry"};
 
 struct StepLimits {
-  double h = 0;                 ///< smoothing length (half the support), m
-  double sound_speed = 0;       ///< m/s
-  double courant = 0.25;        ///< of h / (c + v)
+  double h = 0;                    ///< smoothing length (half the support), m
+  double sound_speed = 0;          ///< m/s
+  double courant = 0.25;           ///< of h / (c + v)
   double kinematic_viscosity = 0;  ///< largest, m^2/s
-  double staggered = 1e300;     ///< s, bound of the staggered scheme
+  double staggered = 1e300;        ///< s, bound of the staggered scheme
 };
 
 struct Step {

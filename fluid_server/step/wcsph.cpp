@@ -91,8 +91,10 @@ void WcsphFluid::move() {
       inside &= advance(r.y, r.vy * dt, coordinates_.quantum[1], coordinates_.periodic[1]);
       inside &= advance(r.z, r.vz * dt, coordinates_.quantum[2], coordinates_.periodic[2]);
       if (!inside) r.volume = 0, ++left;
-      const double v2 = static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
-      const double a2 = static_cast<double>(a[0]) * a[0] + static_cast<double>(a[1]) * a[1] + static_cast<double>(a[2]) * a[2];
+      const double v2 =
+          static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
+      const double a2 =
+          static_cast<double>(a[0]) * a[0] + static_cast<double>(a[1]) * a[1] + static_cast<double>(a[2]) * a[2];
       speed2 = std::max(speed2, v2);
       acceleration2 = std::max(acceleration2, a2);
       check += (v2 + std::abs(r.p)) * 0;  // NaN if anything is not finite
@@ -102,7 +104,8 @@ void WcsphFluid::move() {
     facts_.max_move = facts_.max_speed * dt / spacing_;
     facts_.finite = check == 0;
     for (const Record& r : samples_->moving()) {
-      const double v2 = static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
+      const double v2 =
+          static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
       facts_.max_speed = std::max(facts_.max_speed, std::sqrt(v2));
     }
     if (left) remove_lost();
@@ -120,8 +123,8 @@ void WcsphFluid::remove_lost() {
     const Record& r = particles_.record[f];
     if (r.volume == 0) {
       ++lost_;
-      lost_where_ = fmt::format("particle {} left the domain with velocity ({:.3g}, {:.3g}, {:.3g}) m/s", particles_.id[f],
-                                r.vx, r.vy, r.vz);
+      lost_where_ = fmt::format("particle {} left the domain with velocity ({:.3g}, {:.3g}, {:.3g}) m/s",
+                                particles_.id[f], r.vx, r.vy, r.vz);
       continue;
     }
     Particles::for_each_field([&](auto field) { (particles_.*field)[kept] = (particles_.*field)[f]; });

@@ -1,7 +1,7 @@
 // One step of the weakly compressible fluid (delta-SPH: Antuono, Colagrossi and Marrone 2012), volumes fixed:
 //   sort -> lists and pressure (continuity) -> samples and bodies -> [wrenches out] -> acceleration and motion.
-// Pressure is the state, p = rho c^2 e with e the compression that continuity integrates. The force is the transpose of the
-// divergence, so that the two exchange energy without making any.
+// Pressure is the state, p = rho c^2 e with e the compression that continuity integrates. The force is the transpose of
+// the divergence, so that the two exchange energy without making any.
 #pragma once
 #include <memory>
 #include <string>
@@ -24,17 +24,17 @@ struct StageTimes {
 
 /// How the search for the starting pressure went.
 struct QuietReport {
-  int rounds = 0;      ///< 0: not done, something moves at the start
-  double change = 0;   ///< of pressure in the last round, over the largest pressure
+  int rounds = 0;     ///< 0: not done, something moves at the start
+  double change = 0;  ///< of pressure in the last round, over the largest pressure
 };
 
 /// Sums over all particles, in double and in a fixed order.
 struct Measures {
-  double kinetic = 0, potential = 0, elastic = 0;  ///< J
-  Vec3 momentum = Vec3::Zero();                    ///< kg m/s
-  Vec3 angular_momentum = Vec3::Zero();            ///< about the origin, kg m^2/s
-  double mass = 0;                                 ///< kg
-  double compression_mean = 0, compression_max = 0;///< |p| / (rho c^2)
+  double kinetic = 0, potential = 0, elastic = 0;    ///< J
+  Vec3 momentum = Vec3::Zero();                      ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();              ///< about the origin, kg m^2/s
+  double mass = 0;                                   ///< kg
+  double compression_mean = 0, compression_max = 0;  ///< |p| / (rho c^2)
 };
 
 class WcsphFluid {
@@ -68,9 +68,9 @@ class WcsphFluid {
   double spacing() const { return spacing_; }
   std::uint64_t lost() const { return lost_; }
   const std::string& lost_where() const { return lost_where_; }
-  std::uint64_t hash() const;          ///< of all particles, in order of id
+  std::uint64_t hash() const;  ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
-  std::size_t memory() const;          ///< bytes of all arrays that live through a step
+  std::size_t memory() const;  ///< bytes of all arrays that live through a step
 
  private:
   WcsphFluid() = default;
@@ -82,9 +82,9 @@ class WcsphFluid {
   double spacing_ = 0;
   PassConstants constants_;
   Scheme scheme_ = Scheme::kInterlinked;
-  Filled filled_;                      // fluids and reports; its particles have moved to particles_
+  Filled filled_;  // fluids and reports; its particles have moved to particles_
   RelaxReport relax_report_;
-  Particles particles_, before_;       // now, and before begin()
+  Particles particles_, before_;  // now, and before begin()
   std::unique_ptr<Samples> samples_;
   std::unique_ptr<Neighbourhood> items_;
   std::unique_ptr<Response> response_;
@@ -100,7 +100,8 @@ class WcsphFluid {
 /// Box that particles may be in: world.domain, or around everything in the scene with room above for splashes.
 Box3 choose_domain(const Scene& scene, const std::vector<Body>& bodies, double support);
 
-/// Ten times the largest speed expected: that of a fall through the fluid's whole height, or of what moves at the start.
+/// Ten times the largest speed expected: that of a fall through the fluid's whole height, or of what moves at the
+/// start.
 double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, const Filled& filled);
 
 }  // namespace ballast::fluid

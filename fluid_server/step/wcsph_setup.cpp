@@ -18,8 +18,10 @@ void extend(Box3& box, const Vec3& p) {
 Box3 occupied_box(const Scene& scene, const std::vector<Body>& bodies) {
   Box3 box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
   for (const Fluid& fluid : scene.fluids)
-    if (fluid.fill.kind == FillKind::kBox) extend(box, fluid.fill.box.min), extend(box, fluid.fill.box.max);
-    else if (fluid.fill.kind == FillKind::kMesh) extend(box, fluid.fill.pose.position);
+    if (fluid.fill.kind == FillKind::kBox)
+      extend(box, fluid.fill.box.min), extend(box, fluid.fill.box.max);
+    else if (fluid.fill.kind == FillKind::kMesh)
+      extend(box, fluid.fill.pose.position);
   for (const Body& body : bodies) {
     const Box3 local = body.solid.bounds();
     if (!local.min.allFinite() || !local.max.allFinite() || local.min.norm() > 1e100) continue;
@@ -40,8 +42,7 @@ Box3 choose_domain(const Scene& scene, const std::vector<Body>& bodies, double s
   Box3 domain{box.min.array() - margin, box.max.array() + margin};
   domain.max[2] += 1.5 * size[2];  // splashes rise higher than the water stood
   if (scene.world.domain) {
-    for (int k = 0; k < 3; ++k)
-      domain.min[k] = scene.world.domain->min[k], domain.max[k] = scene.world.domain->max[k];
+    for (int k = 0; k < 3; ++k) domain.min[k] = scene.world.domain->min[k], domain.max[k] = scene.world.domain->max[k];
   }
   if (scene.world.dimension == 2) domain.min[1] = -0.5, domain.max[1] = 0.5;
   return domain;
@@ -80,8 +81,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   WcsphFluid& self = *fluid;
   self.spacing_ = scene.world.spacing;
   const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto ? scene.numerics.kernel
-                          : scene.world.dimension == 3 && scene.world.accuracy == Accuracy::kInteractive ? KernelKind::kCubic
-                                                                                                         : KernelKind::kWendland;
+                          : scene.world.dimension == 3 && scene.world.accuracy == Accuracy::kInteractive
+                              ? KernelKind::kCubic
+                              : KernelKind::kWendland;
   Kernel kernel{kind, scene.world.dimension, support_in_spacings(kind) * scene.world.spacing};
   self.constants_.kernel = kernel;
   self.constants_.threads = threads;
@@ -94,9 +96,11 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   for (int k = 0; k < 3; ++k)
     if (scene.world.periodic[k] &&
         self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k] < 3 * kernel.support)
-      return Error{fmt::format("the domain is {:.3g} m long on its periodic axis {}, less than three kernel supports of {:.3g} m",
-                               self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k], "xyz"[k], kernel.support),
-                   "make world.domain longer or world.spacing smaller", ""};
+      return Error{
+          fmt::format(
+              "the domain is {:.3g} m long on its periodic axis {}, less than three kernel supports of {:.3g} m",
+              self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k], "xyz"[k], kernel.support),
+          "make world.domain longer or world.spacing smaller", ""};
   auto filled = fill_fluids(scene, bodies, self.coordinates_, kernel.support);
   if (!filled) return filled.error();
   self.filled_ = *std::move(filled);
@@ -119,7 +123,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.filled_.ghosts = {};
   self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
   self.items_->set_static_samples(self.samples_->fixed());
-  self.response_ = std::make_unique<Response>(*self.samples_, bodies.size(), scene.coupling.contact_sets, self.spacing_, threads);
+  self.response_ =
+      std::make_unique<Response>(*self.samples_, bodies.size(), scene.coupling.contact_sets, self.spacing_, threads);
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));
   self.facts_.max_acceleration = scene.world.gravity.norm();

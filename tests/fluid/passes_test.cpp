@@ -1,11 +1,11 @@
 // The vector passes against brute force in double over all pairs, with the kernels of kernel.h.
+#include "fluid_server/passes/passes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <set>
-
-#include "fluid_server/passes/passes.h"
 
 namespace ballast::fluid {
 namespace {
@@ -33,8 +33,14 @@ class Passes : public testing::TestWithParam<Case> {
       Vec3 p = box.min + Vec3(u(random), u(random), u(random)).cwiseProduct(box.max - box.min);
       if (GetParam().dimension == 2) p[1] = 0;
       const Fixed3 f = coordinates_.to_fixed(p);
-      Record r{f[0], f[1], f[2], float(1000 * u(random) - 100), float(u(random) - 0.5), float(u(random) - 0.5),
-               float(u(random) - 0.5), float(8e-6 * (0.5 + u(random)))};
+      Record r{f[0],
+               f[1],
+               f[2],
+               float(1000 * u(random) - 100),
+               float(u(random) - 0.5),
+               float(u(random) - 0.5),
+               float(u(random) - 0.5),
+               float(8e-6 * (0.5 + u(random)))};
       if (GetParam().dimension == 2) r.vy = 0;
       if (k % 5 == 0) {
         r.volume = -r.volume;
@@ -57,7 +63,8 @@ class Passes : public testing::TestWithParam<Case> {
   }
 
   static Box3 domain() {
-    return GetParam().dimension == 2 ? Box3{{-0.3, -0.5, 0.1}, {0.31, 0.5, 0.7}} : Box3{{-0.15, 0.02, 0.1}, {0.2, 0.3, 0.4}};
+    return GetParam().dimension == 2 ? Box3{{-0.3, -0.5, 0.1}, {0.31, 0.5, 0.7}}
+                                     : Box3{{-0.15, 0.02, 0.1}, {0.2, 0.3, 0.4}};
   }
   Vec3 difference(const Record& a, const Record& b) const {
     Vec3 r = coordinates_.difference({a.x, a.y, a.z}, {b.x, b.y, b.z});
@@ -93,7 +100,8 @@ TEST_P(Passes, SortingKeepsEveryParticleAndCellOrder) {
 
 TEST_P(Passes, SortingAgainAfterEverythingMovedKeepsEveryParticle) {
   for (int round = 0; round < 5; ++round) {
-    for (std::size_t f = 0; f < after_.size(); ++f) after_.record[f].z = after_.record[f].z / 2 + 0x20000000u * (round % 3);
+    for (std::size_t f = 0; f < after_.size(); ++f)
+      after_.record[f].z = after_.record[f].z / 2 + 0x20000000u * (round % 3);
     std::swap(before_, after_);
     items_.rebuild(before_, after_, moving_, static_cast<std::uint32_t>(fixed_.size()));
     std::set<std::uint32_t> ids(after_.id.begin(), after_.id.end());
@@ -115,7 +123,8 @@ TEST_P(Passes, ListsHoldExactlyTheNeighboursWithinTheSupport) {
       if (std::abs(r - kernel_.support) < 1e-6 * kernel_.support) continue;  // either way at the rim
       const bool sample_pair = items_.record[i].volume < 0 && items_.record[j].volume < 0;
       const bool wanted = i != j && !sample_pair && r < kernel_.support;
-      ASSERT_EQ(listed.count(j), wanted ? 1u : 0u) << "pair " << i << " " << j << " at " << r / kernel_.support << " supports";
+      ASSERT_EQ(listed.count(j), wanted ? 1u : 0u)
+          << "pair " << i << " " << j << " at " << r / kernel_.support << " supports";
       pairs += wanted;
     }
   }
@@ -141,8 +150,8 @@ TEST_P(Passes, PressureAdvancesByContinuityAndDiffusion) {
       if (other.volume > 0) diffusion += other.volume * g * (other.p - own.p + rho * -9.81 * r[2]);
     }
     const double change = 1e-4 * (rho * c * c * divergence - 2 * 0.1 * kernel_.h() * c * diffusion);
-    if (fullness < 0.8 * GetParam().dimension && own.p + change < 0) {
-      EXPECT_EQ(advanced[f], 0.f) << "tension at the surface";
+    if (fullness < 0.5 * GetParam().dimension && own.p + change < 0) {
+      EXPECT_EQ(advanced[f], 0.f) << "tension in spray";
       ++surface;
       continue;
     }
@@ -225,8 +234,9 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Passes,
-                         testing::Values(Case{3, KernelKind::kCubic, false, 1}, Case{3, KernelKind::kWendland, false, 2},
-                                         Case{3, KernelKind::kCubic, true, 3}, Case{2, KernelKind::kCubic, false, 2},
+                         testing::Values(Case{3, KernelKind::kCubic, false, 1},
+                                         Case{3, KernelKind::kWendland, false, 2}, Case{3, KernelKind::kCubic, true, 3},
+                                         Case{2, KernelKind::kCubic, false, 2},
                                          Case{2, KernelKind::kWendland, true, 2}));
 
 }  // namespace
