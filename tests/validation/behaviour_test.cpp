@@ -55,7 +55,7 @@ TEST_F(Behaviour, NoSceneMakesOrLosesMomentumAtTheInterface) {
   for (const auto& entry : fs::directory_iterator(BALLAST_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".yaml") continue;
     SCOPED_TRACE(entry.path().string());
-    Command run(scratch.path, {entry.path().string(), "--duration", "5ms"});
+    Command run(scratch.path, {entry.path().string(), "--duration", "5ms", "--set", "numerics.relax=false"});
     const int code = run.wait();
     EXPECT_TRUE(code == 0 || code == 3) << code << "\n" << run.text();
     EXPECT_EQ(run.left_behind(), std::vector<std::string>{});
