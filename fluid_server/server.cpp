@@ -168,7 +168,8 @@ Status serve(exchange::Segment& segment) {
   if (!bodies) return fail(bodies.error());
   const int threads = segment.threads() ? static_cast<int>(segment.threads())
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  auto fluid = WcsphFluid::make(*scene, *bodies, threads);
+  auto fluid = WcsphFluid::make(*scene, *bodies, threads,
+                                [link = std::make_shared<exchange::FluidLink>(segment)] { link->beat(); });
   if (!fluid) return fail(fluid.error());
   Server server(segment, *std::move(scene), *std::move(bodies), *std::move(fluid));
   const Status outcome = server.run();

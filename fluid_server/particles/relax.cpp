@@ -20,7 +20,8 @@ double spread(const std::vector<float>& delta) {
 }  // namespace
 
 RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coordinates& coordinates,
-                  const PassConstants& constants, double spacing, int at_most) {
+                  const PassConstants& constants, double spacing, int at_most,
+                  const std::function<void()>& sign_of_life) {
   RelaxReport report;
   Neighbourhood items(coordinates, constants.kernel.support, constants.kernel.dimension, constants.threads);
   items.set_static_samples(solid);
@@ -28,6 +29,7 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
   std::vector<float> delta, gradient;
   const double step = 0.2 * spacing * spacing, longest = 0.1 * spacing;
   for (int round = 0; round < at_most; ++round) {
+    sign_of_life();
     items.rebuild(particles, sorted, {}, 0);
     build_lists(items, constants);
     sum_density(items, constants, delta, gradient);

@@ -1,6 +1,7 @@
 // Relaxing the start: cutting a lattice along a curved surface leaves holes and overlaps that cost most of the added
 // mass; some hundred small moves down the gradient of the summed density close them.
 #pragma once
+#include <functional>
 #include <span>
 
 #include "fluid_server/neighbours/neighbourhood.h"
@@ -16,8 +17,9 @@ struct RelaxReport {
 };
 
 /// Moves the particles by -0.2 d^2 sum V grad W, at most 0.1 d a round, until the largest move is below 5e-4 d or after
-/// `at_most` rounds. `solid` are all samples and the ghosts that hold the free surface.
-RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coordinates& coordinates,
-                  const PassConstants& constants, double spacing, int at_most);
+/// `at_most` rounds; gives a sign of life in each. `solid` are all samples and the ghosts that hold the free surface.
+RelaxReport relax(
+    Particles& particles, std::span<const Record> solid, const Coordinates& coordinates, const PassConstants& constants,
+    double spacing, int at_most, const std::function<void()>& sign_of_life = [] {});
 
 }  // namespace ballast::fluid

@@ -51,6 +51,7 @@ QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states)
   std::vector<float> last(particles_.size());
   for (std::size_t f = 0; f < last.size(); ++f) last[f] = particles_.record[f].p;
   for (report.rounds = 1; report.rounds <= kMostRounds; ++report.rounds) {
+    sign_of_life_();
     gather_samples(*items_, extras_, frozen, sums_);
     response_->solve(*items_, extras_, sums_, frozen, states, scheme_);
     accelerate(*items_, extras_, frozen, acceleration_);

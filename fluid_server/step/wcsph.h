@@ -3,6 +3,7 @@
 // Pressure is the state, p = rho c^2 e with e the compression that continuity integrates. The force is the transpose of
 // the divergence, so that the two exchange energy without making any.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,7 +40,9 @@ struct Measures {
 
 class WcsphFluid {
  public:
-  static Result<std::unique_ptr<WcsphFluid>> make(const Scene& scene, const std::vector<Body>& bodies, int threads);
+  /// Large scenes take minutes to set up: `sign_of_life` is called now and then, in quiet_start() too.
+  static Result<std::unique_ptr<WcsphFluid>> make(
+      const Scene& scene, const std::vector<Body>& bodies, int threads, std::function<void()> sign_of_life = [] {});
 
   /// Finds the pressure with which nothing is compressed at the moment of release; for states at rest, before the first
   /// step. Costs some hundred sweeps where something gives way, one where all is in balance.
@@ -92,6 +95,7 @@ class WcsphFluid {
   std::vector<float> pressure_, acceleration_;
   std::vector<SampleSums> sums_;
   StepFacts facts_, facts_before_;
+  std::function<void()> sign_of_life_;
   StageTimes times_;
   std::uint64_t lost_ = 0;
   std::string lost_where_;

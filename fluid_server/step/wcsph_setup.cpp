@@ -76,9 +76,11 @@ double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, c
   return 10 * speed;
 }
 
-Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads) {
+Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads,
+                                                     std::function<void()> sign_of_life) {
   std::unique_ptr<WcsphFluid> fluid(new WcsphFluid);
   WcsphFluid& self = *fluid;
+  self.sign_of_life_ = std::move(sign_of_life);
   self.spacing_ = scene.world.spacing;
   const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto ? scene.numerics.kernel
                           : scene.world.dimension == 3 && scene.world.accuracy == Accuracy::kInteractive
@@ -101,6 +103,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
               "the domain is {:.3g} m long on its periodic axis {}, less than three kernel supports of {:.3g} m",
               self.coordinates_.domain.max[k] - self.coordinates_.domain.min[k], "xyz"[k], kernel.support),
           "make world.domain longer or world.spacing smaller", ""};
+  self.sign_of_life_();
   auto filled = fill_fluids(scene, bodies, self.coordinates_, kernel.support);
   if (!filled) return filled.error();
   self.filled_ = *std::move(filled);
@@ -111,6 +114,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.extras_.density.assign(1, self.filled_.fluids[0].density);
   self.constants_.sound_speed = static_cast<float>(choose_sound_speed(scene, bodies, self.filled_));
 
+  self.sign_of_life_();
   self.samples_ = std::make_unique<Samples>(
       Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
   self.particles_ = std::move(self.filled_.particles);
@@ -118,7 +122,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
     std::erase_if(solid, [](const Record& r) { return r.volume == 0; });
     solid.insert(solid.end(), self.filled_.ghosts.begin(), self.filled_.ghosts.end());
-    self.relax_report_ = relax(self.particles_, solid, self.coordinates_, self.constants_, self.spacing_, 1000);
+    self.relax_report_ =
+        relax(self.particles_, solid, self.coordinates_, self.constants_, self.spacing_, 1000, self.sign_of_life_);
   }
   self.filled_.ghosts = {};
   self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
