@@ -43,7 +43,7 @@ struct Kernel {
   }
 };
 
-/// Support radius in spacings (WALLS study: cubic 2 d, Wendland 2.6 d).
-inline double support_in_spacings(KernelKind kind) { return kind == KernelKind::kCubic ? 2.0 : 2.6; }
+/// Support radius in spacings. Wendland: README.md says why 2.9.
+inline double support_in_spacings(KernelKind kind) { return kind == KernelKind::kCubic ? 2.0 : 2.9; }
 
 }  // namespace ballast::fluid

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -61,10 +62,26 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
       impulse_(bodies.size(), Vec3::Zero()) {
   start_ = last_ = fluid.measure();
   if (scene.output.vtk) vtk_ = std::make_unique<output::VtkSeries>(out_dir_ + "/vtk");
+  warn_of_thin_solids();
   const RelaxReport& relaxed = fluid.relax_report();
   if (relaxed.moves && relaxed.last_move > 5e-3)
     warn(fmt::format("the start was not fully relaxed: after {} rounds particles still move by {:.2g} spacings a round",
                      relaxed.moves, relaxed.last_move));
+}
+
+/// Particles on the two sides of a thin solid are within each other's support.
+void Report::warn_of_thin_solids() {
+  const Samples& samples = fluid_.samples();
+  std::vector<double> deepest(bodies_.size(), 0.0);
+  for (std::size_t s = 0; s < samples.size(); ++s)
+    deepest[samples.body[s]] = std::max<double>(deepest[samples.body[s]], samples.depth[s]);
+  const double least = fluid_.constants().kernel.support - fluid_.spacing();
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (deepest[b] > 0 && 2 * deepest[b] < least * (1 - 1e-6))
+      warn(fmt::format(
+          "'{}' is about {:.2g} m thick, less than {:.2g} m: the fluid on its one side feels that on the other; make "
+          "it thicker or world.spacing smaller",
+          scene_.models[b].name, 2 * deepest[b], least));
 }
 
 void Report::quiet(const QuietReport& quiet) {
@@ -189,7 +206,20 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   j["relaxation"] = {
       {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};
   j["quiet_start"] = {{"rounds", quiet_.rounds}, {"change", quiet_.change}};
-  j["solver"] = {{"pressure", "wcsph"},
+  if (const ImplicitPressure* implicit = fluid_.implicit()) {
+    const ImplicitReport& r = implicit->report();
+    const double solves = static_cast<double>(std::max<std::uint64_t>(r.solves, 1));
+    j["pressure_solve"] = {{"solves", r.solves},
+                           {"products_mean", static_cast<double>(r.products) / solves},
+                           {"products_most", r.most},
+                           {"expansions_mean", static_cast<double>(r.expansions) / solves},
+                           {"projected_steps_refused", r.refused},
+                           {"tolerance_unreached", r.unreached},
+                           {"residual_worst", r.worst_residual},
+                           {"seconds", r.seconds}};
+    j["error"]["pressure_residual"] = r.worst_residual;
+  }
+  j["solver"] = {{"pressure", fluid_.implicit() ? "implicit" : "wcsph"},
                  {"kernel", fluid_.constants().kernel.kind == KernelKind::kCubic ? "cubic spline" : "Wendland C2"},
                  {"support_m", fluid_.constants().kernel.support},
                  {"sound_speed", fluid_.constants().sound_speed},
@@ -203,7 +233,29 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   return j.dump();
 }
 
-StepLimits step_limits(const Scene& scene, const WcsphFluid& fluid) {
+namespace {
+
+/// The staggered scheme hands a body's last acceleration to its surface, so that the water that a step reaches swings
+/// with the body: dt <= (d / c) sqrt(2 sigma / (rho d)), sigma = mass over wetted area (chain of particles that ends in
+/// a light mass).
+double staggered_bound(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid) {
+  std::vector<double> area(bodies.size(), 0.0);
+  const Samples& samples = fluid.samples();
+  const double d = fluid.spacing();
+  for (std::size_t s = 0; s < samples.size(); ++s)  // only the first layer, half a pitch inside, stands for surface
+    if (samples.depth[s] < 0.75 * d) area[samples.body[s]] += samples.volume[s] / (2 * samples.depth[s]);
+  double density = 0, bound = 1e300;
+  for (const Fluid& f : scene.fluids) density = std::max(density, f.density);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b].mass > 0 && area[b] > 0)
+      bound =
+          std::min(bound, d / fluid.constants().sound_speed * std::sqrt(2 * bodies[b].mass / (area[b] * density * d)));
+  return bound;
+}
+
+}  // namespace
+
+StepLimits step_limits(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid) {
   StepLimits limits;
   limits.h = fluid.constants().kernel.h();
   limits.sound_speed = fluid.constants().sound_speed;
@@ -211,7 +263,13 @@ StepLimits step_limits(const Scene& scene, const WcsphFluid& fluid) {
   // becomes unstable at d / c, which is 1 for the cubic spline.
   const Accuracy accuracy = scene.world.accuracy;
   limits.courant = accuracy == Accuracy::kInteractive ? 0.6 : accuracy == Accuracy::kBalanced ? 0.5 : 0.25;
+  if (fluid.implicit()) {
+    limits.implicit = true;
+    limits.spacing = fluid.spacing();
+    limits.gravity_step = gravity_step(scene);
+  }
   if (scene.numerics.courant > 0) limits.courant = scene.numerics.courant;
+  if (fluid.scheme() == Scheme::kStaggered) limits.staggered = staggered_bound(scene, bodies, fluid);
   for (const Fluid& f : scene.fluids)
     limits.kinematic_viscosity = std::max(limits.kinematic_viscosity, f.viscosity / f.density);
   return limits;

@@ -31,6 +31,7 @@ class Report {
                    double waited, const Status& outcome) const;
 
  private:
+  void warn_of_thin_solids();
   void warn(std::string text);
 
   const Scene& scene_;
@@ -54,7 +55,7 @@ class Report {
 };
 
 /// Limits of the step that stay the same through a run.
-StepLimits step_limits(const Scene& scene, const WcsphFluid& fluid);
+StepLimits step_limits(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid);
 
 /// Final report of a process that could not start.
 std::string failure_json(const Error& error);

@@ -32,7 +32,7 @@ class Server {
         coupled_(segment.has(exchange::Role::kRigid)) {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       states_.push_back(initial_state(scene_.models[b], bodies_[b], scene_.world.gravity));
-    limits_ = step_limits(scene_, *fluid_);
+    limits_ = step_limits(scene_, bodies_, *fluid_);
   }
 
   Status run() {

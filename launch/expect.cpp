@@ -128,6 +128,8 @@ Verdict judge_one(const Expect& expect, const Evidence& evidence) {
       return judge_jitter(expect, evidence);
     case ExpectKind::kMomentum:
       return judge_momentum(expect, evidence);
+    case ExpectKind::kTotalMomentum:
+      return judge_total_momentum(expect, evidence);
     case ExpectKind::kTrack:
       return judge_track(expect, evidence);
   }

@@ -51,6 +51,7 @@ Verdict judge_moved(const Expect& expect, const Evidence& evidence);
 Verdict judge_inside(const Expect& expect, const Evidence& evidence);
 Verdict judge_initial_acceleration(const Expect& expect, const Evidence& evidence);
 Verdict judge_jitter(const Expect& expect, const Evidence& evidence);
+Verdict judge_total_momentum(const Expect& expect, const Evidence& evidence);
 Verdict judge_track(const Expect& expect, const Evidence& evidence);
 
 /// Sets the bounds of `verdict` from equals/within/below/above; `fallback_high` where the scene gives none.

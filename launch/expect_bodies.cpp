@@ -175,4 +175,33 @@ Verdict judge_jitter(const Expect& expect, const Evidence& evidence) {
   return v;
 }
 
+/// Fluid from its final report, bodies from the first and the last row.
+Verdict judge_total_momentum(const Expect& expect, const Evidence& evidence) {
+  Verdict v{.name = "drift of total momentum"};
+  const Table& rows = evidence.body_rows;
+  const json ledger = evidence.fluid.value("ledger", json::object());
+  if (rows.rows() < 2 || !ledger.contains("momentum_start") || !ledger.contains("momentum_end")) {
+    v.note = "the fluid's ledger or the rows of bodies are missing";
+  } else {
+    Vec3 change = Vec3::Zero();
+    double scale = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<std::size_t>(k);
+      const double start = ledger["momentum_start"][axis], end = ledger["momentum_end"][axis];
+      change[k] = end - start;
+      scale += start * start;
+    }
+    scale = std::sqrt(scale);
+    for (const Chosen& c : choose(evidence.scene, "*")) {
+      const Vec3 start = vec3_at(rows, 0, c.row_body, 7), end = vec3_at(rows, rows.rows() - 1, c.row_body, 7);
+      change += evidence.bodies[c.model].mass * (end - start);
+      scale += evidence.bodies[c.model].mass * start.norm();
+    }
+    v.value = change.norm() / scale;
+  }
+  set_bounds(v, expect, 1, std::nullopt);
+  decide(v);
+  return v;
+}
+
 }  // namespace ballast::launch

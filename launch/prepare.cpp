@@ -21,6 +21,10 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
     out.push_back({"contact sets", "coupling.contact_sets is false",
                    "one pass over the wetted samples and its messages", "none: wrenches are exact without them"});
   }
+  if (std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.surface_tension > 0; })) {
+    out.push_back({"surface tension", "the fluid has no such term yet: fluids.*.surface_tension is not used",
+                   "one pass over the fluid", "capillary forces, which matter below about a centimetre in water"});
+  }
   if (scene.probes.empty()) out.push_back({"probes.csv", "the scene has no probes", "one file and its sums", "none"});
   if (!scene.output.vtk) out.push_back({"ParaView files", "output.vtk is false", "two files per output time", "none"});
   if (!scene.output.picture)

@@ -30,6 +30,7 @@ class Checker {
     for (const Model& model : scene_.models) check_model(model);
     for (const Joint& joint : scene_.joints) check_joint(joint);
     if (scene_.world.dimension == 2) check_plane();
+    check_reduced_gravity();
   }
 
  private:
@@ -49,6 +50,16 @@ class Checker {
            fmt::format("a {} named '{}' exists already, at {}", kind, item.name, where(it->second->place)),
            "Give each one a name of its own.");
     }
+  }
+
+  void check_reduced_gravity() {
+    if (!scene_.numerics.reduced_gravity || scene_.fluids.empty()) return;
+    for (const Fluid& fluid : scene_.fluids)
+      if (fluid.density != scene_.fluids[0].density)
+        fail(fluid.place, {},
+             fmt::format("numerics.reduced_gravity needs one density: '{}' has {} kg/m^3, '{}' {} kg/m^3",
+                         scene_.fluids[0].name, scene_.fluids[0].density, fluid.name, fluid.density),
+             "Set reduced_gravity: false, or give all fluids the same density.");
   }
 
   void check_box(const Box3& box, std::string_view what, const Place& base, Keys keys) {

@@ -160,6 +160,12 @@ class Checker {
         break;
       case kMomentum:
         break;
+      case kTotalMomentum:
+        if (scene_.world.gravity.norm() > 0 ||
+            std::ranges::any_of(scene_.models, [](const Model& m) { return m.motion != Motion::kDynamic; }))
+          state_.fail(base, "total momentum changes by gravity, static and prescribed models",
+                      "Use it in scenes of free bodies without gravity.");
+        break;
       case kMoved:
         check_moved(expect);
         break;

@@ -78,8 +78,8 @@ inline constexpr std::pair<JointKind, std::string_view> kJointWords[] = {{JointK
                                                                          {JointKind::kPrismatic, "prismatic"},
                                                                          {JointKind::kBall, "ball"},
                                                                          {JointKind::kUniversal, "universal"}};
-inline constexpr std::pair<Pressure, std::string_view> kPressureWords[] = {{Pressure::kAuto, "auto"},
-                                                                           {Pressure::kWcsph, "wcsph"}};
+inline constexpr std::pair<Pressure, std::string_view> kPressureWords[] = {
+    {Pressure::kAuto, "auto"}, {Pressure::kWcsph, "wcsph"}, {Pressure::kImplicit, "implicit"}};
 inline constexpr std::pair<KernelKind, std::string_view> kKernelWords[] = {
     {KernelKind::kAuto, "auto"}, {KernelKind::kCubic, "cubic"}, {KernelKind::kWendland, "wendland"}};
 

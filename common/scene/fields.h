@@ -235,6 +235,10 @@ void visit(V& v, Numerics& n) {
      kNotNegative},
     n.artificial_viscosity);
   v({"relax", kNone, "relax the particles at the start"}, n.relax);
+  v({"reduced_gravity", kNone,
+     "leave out the hydrostatic pressure: bodies get their buoyancy by Archimedes; for closed containers full of "
+     "fluid"},
+    n.reduced_gravity);
 }
 
 template <class V>
@@ -315,6 +319,10 @@ void visit(V& v, Expect& e) {
   v.option_group({"momentum", kNone, "what bodies got is what the fluid gave"}, form, std::tuple{kMomentum},
                  [&](auto& w) {
                    w({"below", kNone, "relative imbalance", kPositive, kRequired}, e.below);
+                 });
+  v.option_group({"total_momentum", kNone, "of fluid and bodies together does not drift; without gravity and walls"},
+                 form, std::tuple{kTotalMomentum}, [&](auto& w) {
+                   w({"below", kNone, "drift over the sum of all momenta at the start", kPositive, kRequired}, e.below);
                  });
   v.option_group({"track", kNone, "a column follows a reference curve"}, form, std::tuple{kTrack}, [&](auto& w) {
     w({"of", kNone, "column, as above", kAnyNumber, kRequired}, e.column);

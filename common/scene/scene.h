@@ -154,7 +154,7 @@ struct Coupling {
   bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench
 };
 
-enum class Pressure { kAuto, kWcsph };
+enum class Pressure { kAuto, kWcsph, kImplicit };
 enum class KernelKind { kAuto, kCubic, kWendland };
 
 struct Numerics {
@@ -165,6 +165,9 @@ struct Numerics {
   double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
   double artificial_viscosity = 0.02;  ///< alpha of the explicit solver (Monaghan 1992), between particles only
   bool relax = true;                   ///< relax the particles at the start
+  /// The hydrostatic part of the pressure is left out: the fluid feels no gravity, every body the buoyancy of
+  /// Archimedes instead. The same motion where the fluid fills a closed container; wrong where it has a surface.
+  bool reduced_gravity = false;
 };
 
 enum class ProbeKind { kLevel, kPressure, kForce, kPose, kPressureError };
@@ -188,7 +191,17 @@ struct Output {
   Vec3 camera = Vec3::Zero();  ///< eye position for the picture, m; zero: chosen
 };
 
-enum class ExpectKind { kLostParticles, kMoved, kInside, kColumn, kInitialAcceleration, kJitter, kMomentum, kTrack };
+enum class ExpectKind {
+  kLostParticles,
+  kMoved,
+  kInside,
+  kColumn,
+  kInitialAcceleration,
+  kJitter,
+  kMomentum,
+  kTotalMomentum,
+  kTrack
+};
 
 /// One condition that makes the scene a test.
 struct Expect {

@@ -8,8 +8,13 @@ namespace ballast::fluid {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-Response::Response(const Samples& samples, std::size_t bodies, bool contacts, double spacing, int threads)
-    : samples_(samples), threads_(threads), want_contacts_(contacts), spacing_(spacing) {
+Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, bool contacts, double spacing, int threads)
+    : samples_(samples),
+      threads_(threads),
+      want_contacts_(contacts),
+      spacing_(spacing),
+      buoyancy_(std::move(buoyancy)) {
+  const std::size_t bodies = buoyancy_.size();
   wet_.resize(samples.size());
   wet_stamp_.assign(samples.size(), 0);
   final_force_.resize(samples.size());
@@ -74,6 +79,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     }
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
     Vector6 force = Vector6::Zero();
+    force.head<3>() = buoyancy_[b];
     Matrix6 added = Matrix6::Zero();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
@@ -98,7 +104,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    Vec3 force = buoyancy_[b], torque = Vec3::Zero();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
       if (wet_stamp_[sample] != stamp_) continue;

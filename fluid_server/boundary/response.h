@@ -19,7 +19,8 @@ enum class Scheme {
 
 class Response {
  public:
-  Response(const Samples& samples, std::size_t bodies, bool contacts, double spacing, int threads);
+  /// `buoyancy`: a force per body beside that of the samples, N, through the centre of mass (numerics.reduced_gravity).
+  Response(const Samples& samples, std::vector<Vec3> buoyancy, bool contacts, double spacing, int threads);
 
   /// From the sums of the wet samples: extrapolated pressure of each into items.record (Adami, Hu and Adams 2012)
   ///   p_b = [sum V_k W p_k + (G - a_b) . sum V_k W rho_k (x_b - x_k)] / sum V_k W,
@@ -59,6 +60,7 @@ class Response {
   int threads_;
   bool want_contacts_;
   double spacing_;
+  std::vector<Vec3> buoyancy_;
   std::vector<Wet> wet_;                  // by sample
   std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
   std::uint32_t stamp_ = 0;

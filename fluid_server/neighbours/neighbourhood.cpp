@@ -239,6 +239,7 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
                             std::uint32_t first_moving) {
   const int blocks = static_cast<int>(histogram_.size());
   const std::uint32_t nx = cells_.count[0];
+  after.has_compression = before.has_compression;
   after.resize(before.size());
 #pragma omp parallel for num_threads(threads_) schedule(static, 1)
   for (int t = 0; t < blocks; ++t) {
@@ -247,7 +248,7 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
     for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
       const std::uint32_t c = cell_of_[f], rank = cursor[c]++;
       const std::uint32_t first = c + c / nx, to = start_fluid_[first] + rank, item = start_[first] + rank;
-      Particles::for_each_field([&](auto field) { (after.*field)[to] = (before.*field)[f]; });
+      before.for_each_field([&](auto field) { (after.*field)[to] = (before.*field)[f]; });
       put(item, before.record[f], to);
       fluid_item[to] = item;
     }

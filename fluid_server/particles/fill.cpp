@@ -153,7 +153,7 @@ struct FilledOne {
 };
 
 /// The `wanted` sites with the largest clearance. Where a flat surface leaves many equal ones to choose from, every
-/// n-th in lattice order: any other choice would weight one side of a body.
+/// n-th, going there and back along the rows: any other choice would weight one side of a body.
 std::vector<Site> clearest(std::vector<Site> sites, std::size_t wanted, double equal) {
   if (sites.size() <= wanted || wanted == 0) return sites;
   std::vector<double> clearances;
@@ -197,7 +197,8 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
   std::size_t index = 0;
   for (int iz = -margin; iz < n[2] + margin; ++iz)
     for (int iy = -my; iy < n[1] + my; ++iy)
-      for (int ix = -margin; ix < n[0] + margin; ++ix, ++index) {
+      for (int k = -margin; k < n[0] + margin; ++k, ++index) {
+        const int ix = (iy + iz) % 2 == 0 ? k : n[0] - 1 - k;  // there and back, for clearest()
         Vec3 p = origin + Vec3(ix + 0.5, iy + 0.5, iz + 0.5).cwiseProduct(pitch);
         if (dimension == 2) p[1] = 0;
         const double phi = region.distance(p), free = obstacles.clearance(p), s = std::max(phi, -free);
@@ -222,7 +223,7 @@ Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, dou
   const Fixed3 at = coordinates.to_fixed(site.position);
   const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site.position - centre);
   const double depth = std::max(top - site.position[2], 0.0);
-  const double p = -fluid.density * scene.world.gravity[2] * depth;
+  const double p = scene.numerics.reduced_gravity ? 0 : -fluid.density * scene.world.gravity[2] * depth;
   return {at[0],
           at[1],
           at[2],

@@ -18,13 +18,16 @@ static_assert(sizeof(Record) == 32, "two quarters of a cache line: the pair pass
 /// All particles of all fluids, sorted by cell.
 struct Particles {
   std::vector<Record> record;
-  std::vector<std::uint32_t> id;  ///< unchanging name of the particle: its place in the initial fill
+  std::vector<std::uint32_t> id;   ///< unchanging name of the particle: its place in the initial fill
+  std::vector<float> compression;  ///< implicit solver only: density over rest density - 1; else empty
+  bool has_compression = false;
   std::size_t size() const { return record.size(); }
   /// One line per field: sorting, saving, hashing and snapshots follow from it.
   template <class Visit>
-  static void for_each_field(Visit&& visit) {
+  void for_each_field(Visit&& visit) const {
     visit(&Particles::record);
     visit(&Particles::id);
+    if (has_compression) visit(&Particles::compression);
   }
   void resize(std::size_t n) {
     for_each_field([&](auto field) { (this->*field).resize(n); });

@@ -140,7 +140,6 @@ class Pairs {
   /// sum V W, and its gradient into out[3].
   HWY_INLINE float summed_density(std::uint32_t item, float* out) const {
     const F d;
-    const Record& own = items_.record[item];
     VF w = hn::Zero(d), gx = hn::Zero(d), gy = hn::Zero(d), gz = hn::Zero(d);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
       const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope);
@@ -152,19 +151,107 @@ class Pairs {
     out[0] = total(gx);
     out[1] = Dim == 3 ? total(gy) : 0.f;
     out[2] = total(gz);
-    const std::uint32_t count = items_.lists.count[item], padding = (count + kLanes - 1) / kLanes * kLanes - count;
-    const float self = std::abs(own.volume) * static_cast<float>(constants_.kernel.value(0));
-    return total(w) + self * (1.f - static_cast<float>(padding));
+    return total(w) + self_value(item);
+  }
+
+  /// Row of the pressure system; samples carry 1 / sum V W in p.
+  HWY_INLINE RowSums row_sums(std::uint32_t item) const {
+    const F d;
+    const Record& own = items_.record[item];
+    const VF zero = hn::Zero(d), one = hn::Set(d, 1.f);
+    const VF own_volume = hn::Set(d, own.volume);
+    VF w = zero, fullness = zero, square = zero, cx = zero, cy = zero, cz = zero;
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
+      const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope), value = kernel_.value(r.r2);
+      const auto sample = hn::Lt(motion.d, zero);
+      w = hn::MulAdd(volume, value, w);
+      fullness = hn::NegMulAdd(vg, r.r2, fullness);
+      const VF share = hn::IfThenElseZero(sample, hn::Mul(hn::Mul(own_volume, value), r.p));
+      const VF own_part = hn::Mul(vg, hn::Add(one, share));
+      cx = hn::MulAdd(own_part, r.x, cx);
+      cz = hn::MulAdd(own_part, r.z, cz);
+      if constexpr (Dim == 3) cy = hn::MulAdd(own_part, r.y, cy);
+      const VF g2 = hn::Mul(hn::Mul(vg, r.slope), hn::Div(r.r2, densities(index)));
+      square = hn::Add(square, hn::IfThenZeroElse(sample, g2));
+    });
+    const float x = total(cx), y = total(cy), z = total(cz), rho = density(item);
+    return {total(w) + self_value(item), total(fullness),
+            own.volume * ((x * x + y * y + z * z) / rho + own.volume * total(square))};
+  }
+
+  /// Pressure extrapolated onto a sample.
+  HWY_INLINE float sample_pressure(std::uint32_t item, float inverse_w) const {
+    const F d;
+    VF wp = hn::Zero(d);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      wp = hn::MulAdd(hn::Mul(hn::Max(motion.d, hn::Zero(d)), kernel_.value(r.r2)), r.p, wp);
+    });
+    return inverse_w * total(wp);
+  }
+
+  /// Acceleration by pressure alone.
+  HWY_INLINE Flow pressure_acceleration(std::uint32_t item) const {
+    const F d;
+    const Record& own = items_.record[item];
+    const VF pi = hn::Set(d, own.p);
+    VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      const VF s = hn::Mul(hn::Mul(hn::Abs(motion.d), r.slope), hn::Add(pi, r.p));
+      ax = hn::NegMulAdd(s, r.x, ax);
+      az = hn::NegMulAdd(s, r.z, az);
+      if constexpr (Dim == 3) ay = hn::NegMulAdd(s, r.y, ay);
+    });
+    const float mobility = 1 / density(item);
+    return {total(ax) * mobility, Dim == 3 ? total(ay) * mobility : 0.f, total(az) * mobility, own.volume};
+  }
+
+  /// Flux into a sample over sum V W: V_b sum V_k g (x_k - x_b).(v_k - v_b) / sum V W.
+  HWY_INLINE float sample_flux(std::uint32_t item, float inverse_w, const Flow* flow) const {
+    const Flow& own = flow[item];
+    VF flux = hn::Zero(F());
+    for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
+      const VF volume = hn::Max(motion.d, hn::Zero(F()));
+      flux = hn::MulAdd(hn::Mul(volume, r.slope), closing(own, r, motion), flux);
+    });
+    return -own.volume * inverse_w * total(flux);
+  }
+
+  /// -V_i [ sum V_j g r.(v_i - v_j) + sum_b W_ib flux_b ], fluxes in p of the samples.
+  HWY_INLINE float volume_divergence(std::uint32_t item, const Flow* flow) const {
+    const F d;
+    const Flow& own = flow[item];
+    VF sum = hn::Zero(d);
+    for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
+      sum = hn::MulAdd(hn::Mul(hn::Abs(motion.d), r.slope), closing(own, r, motion), sum);
+      const auto sample = hn::Lt(motion.d, hn::Zero(d));
+      if (!hn::AllFalse(d, sample)) sum = hn::Add(sum, hn::IfThenElseZero(sample, hn::Mul(r.p, kernel_.value(r.r2))));
+    });
+    return -own.volume * total(sum);
   }
 
  private:
-  // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
-  // spray. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
-  static constexpr float kSpray = 0.5f;
-
   struct Pair {
     VF x, y, z, r2, slope, p;  // r = x_i - x_j and its square, g, neighbour's pressure
   };
+
+  /// r.(v_i - v_j)
+  HWY_INLINE VF closing(const Flow& own, const Pair& r, const Quad& motion) const {
+    const F d;
+    VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.x), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.z), motion.c), r.z));
+    if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.y), motion.b), r.y, dot);
+    return dot;
+  }
+
+  /// W(0) V, less what the padding of the list (pairs with itself) added.
+  HWY_INLINE float self_value(std::uint32_t item) const {
+    const std::uint32_t count = items_.lists.count[item], padding = (count + kLanes - 1) / kLanes * kLanes - count;
+    const float self = std::abs(items_.record[item].volume) * static_cast<float>(constants_.kernel.value(0));
+    return self * (1.f - static_cast<float>(padding));
+  }
+
+  // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
+  // spray. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
+  static constexpr float kSpray = 0.5f;
 
   template <class Body>
   HWY_INLINE void for_each_neighbour(std::uint32_t item, Body&& body) const {
@@ -172,22 +259,34 @@ class Pairs {
     const std::uint32_t* list = items_.lists.of(item);
     const std::uint32_t count = items_.lists.count[item];
     for (std::uint32_t k = 0; k < count; k += kLanes) {
-      const Quad place = load_transposed(F(), base_, list + k, 8),
-                 motion = load_transposed(F(), base_ + 4, list + k, 8);
-      Pair r;
-      r.x = distances_.metres(own.x, place.a, distances_.qx);
-      r.z = distances_.metres(own.z, place.c, distances_.qz);
-      r.r2 = hn::MulAdd(r.z, r.z, hn::Mul(r.x, r.x));
-      if constexpr (Dim == 3) {
-        r.y = distances_.metres(own.y, place.b, distances_.qy);
-        r.r2 = hn::MulAdd(r.y, r.y, r.r2);
-      } else {
-        r.y = hn::Zero(F());
-      }
-      r.p = place.d;
-      r.slope = kernel_.slope(r.r2);
-      body(r, motion, list + k);
+      const Quad motion = load_transposed(F(), base_ + 4, list + k, 8);
+      body(pair(own, list + k), motion, list + k);
     }
+  }
+  /// The same with the neighbours' motion from `flow`.
+  template <class Body>
+  HWY_INLINE void for_each_flow(std::uint32_t item, const Flow* flow, Body&& body) const {
+    const Record& own = items_.record[item];
+    const std::uint32_t* list = items_.lists.of(item);
+    const std::uint32_t count = items_.lists.count[item];
+    for (std::uint32_t k = 0; k < count; k += kLanes)
+      body(pair(own, list + k), load_transposed(F(), &flow->x, list + k, 4));
+  }
+  HWY_INLINE Pair pair(const Record& own, const std::uint32_t* index) const {
+    const Quad place = load_transposed(F(), base_, index, 8);
+    Pair r;
+    r.x = distances_.metres(own.x, place.a, distances_.qx);
+    r.z = distances_.metres(own.z, place.c, distances_.qz);
+    r.r2 = hn::MulAdd(r.z, r.z, hn::Mul(r.x, r.x));
+    if constexpr (Dim == 3) {
+      r.y = distances_.metres(own.y, place.b, distances_.qy);
+      r.r2 = hn::MulAdd(r.y, r.y, r.r2);
+    } else {
+      r.y = hn::Zero(F());
+    }
+    r.p = place.d;
+    r.slope = kernel_.slope(r.r2);
+    return r;
   }
 
   /// q = rho (alpha c u + u^2), u the speed of approach: zero for pairs that part. The linear part between particles
@@ -201,7 +300,7 @@ class Pairs {
     const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
     const float alpha_c = own.volume > 0 ? constants_.artificial_viscosity * constants_.sound_speed : 0.f;
     const VF linear = hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), hn::Set(d, alpha_c));
-    return hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
+    return hn::Mul(hn::Mul(rho, u), constants_.ram ? hn::Add(linear, u) : linear);
   }
 
   float density(std::uint32_t item) const {

@@ -90,6 +90,61 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
                  });
 }
 
+template <int Dim, KernelKind K>
+void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f) sums[f] = pairs.row_sums(items.fluid_item[f]);
+                 });
+}
+
+/// Fluxes of the samples into their p, then the divergence at every particle; within a parallel region.
+template <class P>
+HWY_INLINE void diverge(const P& pairs, Neighbourhood& items, const float* inverse_w, const Flow* flow, float* out) {
+  const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
+  const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
+#pragma omp for schedule(dynamic, Lists::kChunk)
+  for (std::uint32_t s = 0; s < samples; ++s)
+    if (inverse_w[s] > 0) {
+      const std::uint32_t item = items.sample_item[s];
+      items.record[item].p = pairs.sample_flux(item, inverse_w[s], flow);
+    }
+#pragma omp for schedule(dynamic, Lists::kChunk)
+  for (std::uint32_t f = 0; f < particles; ++f) out[f] = pairs.volume_divergence(items.fluid_item[f], flow);
+}
+
+template <int Dim, KernelKind K>
+void ApplyAll(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
+              Flow* flow, float* out) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
+  const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
+#pragma omp parallel num_threads(constants.threads)
+  {
+#pragma omp for schedule(dynamic, Lists::kChunk)
+    for (std::uint32_t s = 0; s < samples; ++s) {
+      const std::uint32_t item = items.sample_item[s];
+      flow[item] = {0, 0, 0, items.record[item].volume};
+      items.record[item].p = inverse_w[s] > 0 ? pairs.sample_pressure(item, inverse_w[s]) : 0.f;
+    }
+#pragma omp for schedule(dynamic, Lists::kChunk)
+    for (std::uint32_t f = 0; f < particles; ++f) {
+      const std::uint32_t item = items.fluid_item[f];
+      flow[item] = pairs.pressure_acceleration(item);
+    }
+    diverge(pairs, items, inverse_w, flow, out);
+  }
+}
+
+template <int Dim, KernelKind K>
+void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
+                float* out) {
+  const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
+#pragma omp parallel num_threads(constants.threads)
+  diverge(pairs, items, inverse_w, flow, out);
+}
+
 /// Calls what<Dim, K> for the kernel in use.
 #define BALLAST_BY_KERNEL(what, kernel, ...)                                             \
   do {                                                                                   \
@@ -116,6 +171,17 @@ void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const Pass
 void Sum(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   BALLAST_BY_KERNEL(SumAll, constants.kernel, items, constants, delta, gradient);
 }
+void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums) {
+  BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums);
+}
+void Apply(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
+           Flow* flow, float* out) {
+  BALLAST_BY_KERNEL(ApplyAll, constants.kernel, items, extras, constants, inverse_w, flow, out);
+}
+void Diverge(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
+             float* out) {
+  BALLAST_BY_KERNEL(DivergeAll, constants.kernel, items, constants, inverse_w, flow, out);
+}
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
@@ -130,6 +196,9 @@ HWY_EXPORT(Advance);
 HWY_EXPORT(Gather);
 HWY_EXPORT(Accelerate);
 HWY_EXPORT(Sum);
+HWY_EXPORT(Rows);
+HWY_EXPORT(Apply);
+HWY_EXPORT(Diverge);
 HWY_EXPORT(Name);
 
 void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
@@ -160,6 +229,22 @@ void sum_density(const Neighbourhood& items, const PassConstants& constants, std
   delta.resize(items.fluid_item.size());
   gradient.resize(3 * items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Sum)(items, constants, delta.data(), gradient.data());
+}
+void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+              std::vector<RowSums>& sums) {
+  sums.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data());
+}
+void apply_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    const std::vector<float>& inverse_w, std::vector<Flow>& flow, std::vector<float>& out) {
+  flow.resize(items.record.size());
+  out.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, inverse_w.data(), flow.data(), out.data());
+}
+void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
+                      const std::vector<Flow>& flow, std::vector<float>& out) {
+  out.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Diverge)(items, constants, inverse_w.data(), flow.data(), out.data());
 }
 const char* simd_name() { return HWY_DYNAMIC_DISPATCH(Name)(); }
 

@@ -17,6 +17,7 @@ struct PassConstants {
   float artificial_viscosity = 0;  ///< alpha of Monaghan (1992), no unit
   float gravity[3] = {0, 0, 0};    ///< m/s^2
   float dt = 0;                    ///< s
+  bool ram = true;                 ///< ram pressure of approaching pairs: what keeps an explicit step from overlaps
   bool viscous = false;            ///< some fluid has viscosity: `wall` is filled
   bool several_densities = false;  ///< `density` is filled per item; else density[0] holds for all
   int threads = 1;
@@ -77,6 +78,35 @@ void accelerate(const Neighbourhood& items, const ItemExtras& extras, const Pass
 /// count.
 void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
                  std::vector<float>& gradient);
+
+// --- the implicit solver's passes. With G the map from pressures to the forces -V_i sum V_j (p_i + p_j) g r on the
+// particles, samples carrying the extrapolated p_b = sum_k e_bk p_k, e_bk = V_k W / sum V W, the divergence is its
+// transpose: every sample hands its own flux back to the particles that it took its pressure from (pressure/README.md).
+
+/// What a particle's neighbourhood says about its row of the pressure system.
+struct RowSums {
+  float delta;     ///< sum V_j W, self included; samples count
+  float fullness;  ///< -sum V_j g r^2: the dimension inside the fluid, less at a surface
+  float diagonal;  ///< of G^T M^-1 G, without what a sample hands on to others
+};
+
+/// Velocity or acceleration per item beside its record, so that a pass can write one and read the other.
+struct Flow {
+  float x, y, z, volume;  ///< volume as in Record
+};
+
+/// Row sums of every particle. Reads the reciprocal of sum V W of each sample from its record's p.
+void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+              std::vector<RowSums>& sums);
+
+/// out = G^T M^-1 G p for the pressures in the fluid's records, per particle; solids at rest. Leaves the accelerations
+/// M^-1 G p in `flow` and writes over p of the samples. `inverse_w`: 1 / sum V W per sample, 0 where dry.
+void apply_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    const std::vector<float>& inverse_w, std::vector<Flow>& flow, std::vector<float>& out);
+
+/// out = G^T v for the velocities in `flow`, those of the samples included: volume times divergence, per particle.
+void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
+                      const std::vector<Flow>& flow, std::vector<float>& out);
 
 /// Name of the instruction set in use, for the record.
 const char* simd_name();

@@ -22,7 +22,7 @@ std::size_t sum_of(const Arrays&... arrays) {
 
 std::size_t bytes_of(const Particles& particles) {
   std::size_t sum = 0;
-  Particles::for_each_field([&](auto field) { sum += bytes_of(particles.*field); });
+  particles.for_each_field([&](auto field) { sum += bytes_of(particles.*field); });
   return sum;
 }
 
@@ -44,7 +44,8 @@ std::size_t Response::memory() const {
 }
 
 std::size_t WcsphFluid::memory() const {
-  return bytes_of(particles_) + bytes_of(before_) + samples_->memory() + items_->memory() + response_->memory() +
+  return (implicit_ ? implicit_->memory() : 0) + bytes_of(particles_) + bytes_of(before_) + samples_->memory() +
+         items_->memory() + response_->memory() +
          sum_of(extras_.viscous, extras_.density, pressure_, acceleration_, sums_);
 }
 

@@ -6,13 +6,17 @@
 namespace ballast::fluid {
 
 Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine_bound, double time, double end) {
-  Step step{limits.courant * limits.h / (limits.sound_speed + facts.max_speed), Limit::kSound};
+  Step step{limits.gravity_step, Limit::kGravity};
+  if (!limits.implicit) step = {limits.courant * limits.h / (limits.sound_speed + facts.max_speed), Limit::kSound};
   const auto shorten = [&](double bound, Limit limit) {
     if (bound < step.dt) step = {bound, limit};
   };
   if (limits.kinematic_viscosity > 0)
     shorten(limits.h * limits.h / (8 * limits.kinematic_viscosity), Limit::kViscosity);
-  if (facts.max_acceleration > 0) shorten(0.25 * std::sqrt(limits.h / facts.max_acceleration), Limit::kAcceleration);
+  if (limits.implicit && facts.max_speed > 0)
+    shorten(limits.longest_move * limits.spacing / facts.max_speed, Limit::kSpeed);
+  if (!limits.implicit && facts.max_acceleration > 0)
+    shorten(0.25 * std::sqrt(limits.h / facts.max_acceleration), Limit::kAcceleration);
   shorten(limits.staggered, Limit::kStaggered);
   shorten(engine_bound, Limit::kEngine);
   const double left = end - time;

@@ -15,11 +15,26 @@ struct StepFacts {
   bool finite = true;           ///< no NaN anywhere
 };
 
-enum class Limit : std::uint32_t { kSound, kViscosity, kAcceleration, kStaggered, kEngine, kOutput, kRetry, kCount };
+enum class Limit : std::uint32_t {
+  kSound,
+  kViscosity,
+  kAcceleration,
+  kStaggered,
+  kEngine,
+  kOutput,
+  kRetry,
+  kSpeed,
+  kGravity,
+  kCount
+};
 inline constexpr std::array<const char*, static_cast<std::size_t>(Limit::kCount)> kLimitNames{
-    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry"};
+    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry", "flow speed", "gravity"};
 
 struct StepLimits {
+  bool implicit = false;           ///< the two below rule instead of sound and acceleration
+  double spacing = 0;              ///< d, m
+  double longest_move = 0.4;       ///< spacings a step
+  double gravity_step = 1e300;     ///< s
   double h = 0;                    ///< smoothing length (half the support), m
   double sound_speed = 0;          ///< m/s
   double courant = 0.25;           ///< of h / (c + v)
@@ -33,7 +48,8 @@ struct Step {
 };
 
 /// Shortest of: courant h / (c + v); h^2 / (8 nu); sqrt(h / a) / 4 (Monaghan 1992); the engine's bound; what is left to
-/// `end`. A step that would leave less than half a step is stretched over what is left.
+/// `end`. An implicit fluid has no sound: longest_move d / v and gravity_step in the place of the first and third. A
+/// step that would leave less than half a step is stretched over what is left.
 Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine_bound, double time, double end);
 
 }  // namespace ballast::fluid

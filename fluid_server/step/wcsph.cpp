@@ -44,7 +44,11 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     items_->rebuild(before_, particles_, samples_->moving(), samples_->first_moving);
     prepare_extras();
   }
-  {
+  if (implicit_) {
+    const Stopwatch watch(times_.pressure);
+    build_lists(*items_, constants_);
+    implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, implicit_options_);
+  } else {
     const Stopwatch watch(times_.pressure);
     build_lists_and_advance_pressure(*items_, extras_, constants_, pressure_);
 #pragma omp parallel for num_threads(constants_.threads) schedule(static)
@@ -53,7 +57,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   }
   const Stopwatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
-  response_->solve(*items_, extras_, sums_, constants_, states, scheme_);
+  response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kStaggered : scheme_);
 }
 
 void WcsphFluid::prepare_extras() {
@@ -127,7 +131,7 @@ void WcsphFluid::remove_lost() {
                                 particles_.id[f], r.vx, r.vy, r.vz);
       continue;
     }
-    Particles::for_each_field([&](auto field) { (particles_.*field)[kept] = (particles_.*field)[f]; });
+    particles_.for_each_field([&](auto field) { (particles_.*field)[kept] = (particles_.*field)[f]; });
     ++kept;
   }
   particles_.resize(kept);

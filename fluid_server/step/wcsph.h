@@ -14,6 +14,7 @@
 #include "fluid_server/particles/fill.h"
 #include "fluid_server/particles/relax.h"
 #include "fluid_server/passes/passes.h"
+#include "fluid_server/pressure/implicit.h"
 #include "fluid_server/step/step_control.h"
 
 namespace ballast::fluid {
@@ -59,6 +60,10 @@ class WcsphFluid {
   std::span<const exchange::Wrench> wrenches() const { return response_->wrenches(); }
   std::span<const exchange::Contact> contacts() const { return response_->contacts(); }
 
+  void set_implicit(double t, double b) {
+    implicit_options_.tolerance = t;
+    implicit_options_.body_tolerance = b;
+  }
   Measures measure() const;
   const Particles& particles() const { return particles_; }
   const Coordinates& coordinates() const { return coordinates_; }
@@ -73,6 +78,7 @@ class WcsphFluid {
   const std::string& lost_where() const { return lost_where_; }
   std::uint64_t hash() const;  ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
+  const ImplicitPressure* implicit() const { return implicit_.get(); }  ///< null: weakly compressible
   std::size_t memory() const;  ///< bytes of all arrays that live through a step
 
  private:
@@ -94,12 +100,17 @@ class WcsphFluid {
   ItemExtras extras_;
   std::vector<float> pressure_, acceleration_;
   std::vector<SampleSums> sums_;
+  std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
+  ImplicitOptions implicit_options_;
   StepFacts facts_, facts_before_;
   std::function<void()> sign_of_life_;
   StageTimes times_;
   std::uint64_t lost_ = 0;
   std::string lost_where_;
 };
+
+/// Longest step of an implicit fluid at rest under gravity, s: a share of sqrt(d / |G|) that the accuracy class sets.
+double gravity_step(const Scene& scene);
 
 /// Box that particles may be in: world.domain, or around everything in the scene with room above for splashes.
 Box3 choose_domain(const Scene& scene, const std::vector<Body>& bodies, double support);

@@ -76,6 +76,14 @@ double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, c
   return 10 * speed;
 }
 
+double gravity_step(const Scene& scene) {
+  const double gravity = scene.world.gravity.norm();
+  if (gravity == 0) return 1e300;
+  const Accuracy accuracy = scene.world.accuracy;
+  const double share = accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
+  return share * std::sqrt(scene.world.spacing / gravity);
+}
+
 Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads,
                                                      std::function<void()> sign_of_life) {
   std::unique_ptr<WcsphFluid> fluid(new WcsphFluid);
@@ -91,7 +99,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.constants_.threads = threads;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
   self.constants_.artificial_viscosity = static_cast<float>(scene.numerics.artificial_viscosity);
-  for (int k = 0; k < 3; ++k) self.constants_.gravity[k] = static_cast<float>(scene.world.gravity[k]);
+  const Vec3 gravity = scene.numerics.reduced_gravity ? Vec3::Zero() : scene.world.gravity;
+  for (int k = 0; k < 3; ++k) self.constants_.gravity[k] = static_cast<float>(gravity[k]);
   if (scene.world.dimension == 2) self.constants_.gravity[1] = 0;
   self.scheme_ = scene.coupling.scheme == "staggered" ? Scheme::kStaggered : Scheme::kInterlinked;
   self.coordinates_ = Coordinates::make(choose_domain(scene, bodies, kernel.support), scene.world.periodic);
@@ -128,8 +137,23 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.filled_.ghosts = {};
   self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
   self.items_->set_static_samples(self.samples_->fixed());
-  self.response_ =
-      std::make_unique<Response>(*self.samples_, bodies.size(), scene.coupling.contact_sets, self.spacing_, threads);
+  std::vector<Vec3> buoyancy(bodies.size(), Vec3::Zero());
+  if (scene.numerics.reduced_gravity)
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (scene.models[b].motion == Motion::kDynamic)
+        buoyancy[b] = -self.filled_.fluids[0].density * bodies[b].solid.mass_properties().volume * scene.world.gravity;
+  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), scene.coupling.contact_sets,
+                                              self.spacing_, threads);
+  if (scene.numerics.pressure == Pressure::kImplicit) {
+    self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
+    self.particles_.has_compression = true;
+    self.particles_.compression.assign(self.particles_.size(), 0.f);
+    self.constants_.ram = false;
+    const Accuracy accuracy = scene.world.accuracy;
+    const double share = accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
+    self.implicit_options_.tolerance = 1e-3 * share * share;
+    self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-2 : 1e-3;
+  }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));
   self.facts_.max_acceleration = scene.world.gravity.norm();

@@ -233,6 +233,73 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
   EXPECT_GT(wet, 50u);
 }
 
+/// The power of the pressures' forces, on particles and on samples (those by brute force), is pressure times
+/// divergence.
+TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
+  build_lists(items_, constants_);
+  std::vector<SampleSums> sums;
+  gather_samples(items_, extras_, constants_, sums);
+  std::vector<float> inverse_w;
+  for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+  std::vector<float> pressure, out, divergence;
+  for (const std::uint32_t item : items_.fluid_item) pressure.push_back(items_.record[item].p);
+  std::vector<Flow> flow, velocities(items_.record.size());
+  apply_pressure(items_, extras_, constants_, inverse_w, flow, out);
+  double power = 0, scale = 0;
+  for (std::uint32_t item = 0; item < items_.size(); ++item) {
+    const Record& r = items_.record[item];
+    velocities[item] = {r.vx, r.vy, r.vz, r.volume};
+    if (r.volume > 0) {
+      const Vec3 force = 1000.0 * r.volume * Vec3(flow[item].x, flow[item].y, flow[item].z);
+      power += force.dot(velocity(r)), scale += std::abs(force.dot(velocity(r)));
+    }
+  }
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    const Record& b = items_.record[items_.sample_item[s]];
+    double w = 0, wp = 0;
+    for (std::size_t f = 0; f < pressure.size(); ++f) {
+      const Record& k = items_.record[items_.fluid_item[f]];
+      const double weight = k.volume * kernel_.value(difference(b, k).norm());
+      w += weight, wp += weight * pressure[f];
+    }
+    if (!(w > 0)) continue;
+    Vec3 force = Vec3::Zero();
+    for (std::size_t f = 0; f < pressure.size(); ++f) {
+      const Record& k = items_.record[items_.fluid_item[f]];
+      const Vec3 r = difference(b, k);
+      if (r.norm() < kernel_.support) force += b.volume * k.volume * (pressure[f] + wp / w) * slope(r.norm()) * r;
+    }
+    power += force.dot(velocity(b)), scale += std::abs(force.dot(velocity(b)));
+  }
+  apply_divergence(items_, constants_, inverse_w, velocities, divergence);
+  double other = 0;
+  for (std::size_t f = 0; f < pressure.size(); ++f) other += static_cast<double>(pressure[f]) * divergence[f];
+  EXPECT_NEAR(power, other, 1e-5 * scale);
+}
+
+TEST_P(Passes, PressureOperatorIsSymmetricAndPositive) {
+  build_lists(items_, constants_);
+  std::vector<SampleSums> sums;
+  gather_samples(items_, extras_, constants_, sums);
+  std::vector<float> inverse_w;
+  for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+  std::mt19937 random(11);
+  std::normal_distribution<float> normal;
+  std::vector<float> x[2], ax[2];
+  std::vector<Flow> flow;
+  for (int k = 0; k < 2; ++k) {
+    for (const std::uint32_t item : items_.fluid_item) x[k].push_back(items_.record[item].p = normal(random));
+    apply_pressure(items_, extras_, constants_, inverse_w, flow, ax[k]);
+  }
+  const auto dot = [](const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * b[i];
+    return sum;
+  };
+  EXPECT_GT(dot(x[0], ax[0]), 0);
+  EXPECT_NEAR(dot(x[0], ax[1]), dot(x[1], ax[0]), 1e-5 * dot(x[0], ax[0]));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Passes,
                          testing::Values(Case{3, KernelKind::kCubic, false, 1},
                                          Case{3, KernelKind::kWendland, false, 2}, Case{3, KernelKind::kCubic, true, 3},

@@ -188,6 +188,24 @@ TEST_F(Fixture, MomentumNeedsBothReports) {
   EXPECT_FALSE(judged(of_kind(ExpectKind::kMomentum)).pass);
 }
 
+TEST_F(Fixture, TotalMomentumAddsFluidAndBodies) {
+  const Expect e = [] {
+    Expect one = of_kind(ExpectKind::kTotalMomentum);
+    one.below = 1e-5;
+    return one;
+  }();
+  EXPECT_FALSE(judged(e).pass);  // no ledger
+  fluid["ledger"] = {{"momentum_start", {3, 0, 0}}, {"momentum_end", {3, 0, 0}}};
+  const std::size_t width = body_rows.columns.size(), last = (body_rows.rows() - 1) * width;
+  for (std::size_t k = 0; k < width; ++k)  // all velocities stay those of the first row
+    if (k % output::kBodyValues >= 7 && k % output::kBodyValues <= 9) body_rows.values[last + k] = body_rows.values[k];
+  EXPECT_TRUE(judged(e).pass);
+  body_rows.values[last + 7] += 0.5;  // ball_a.vx
+  EXPECT_FALSE(judged(e).pass);
+  fluid["ledger"]["momentum_end"][0] = 3 - 0.5 * bodies[0].mass;
+  EXPECT_TRUE(judged(e).pass);
+}
+
 TEST_F(Fixture, TrackMeasuresRmsAgainstTheReferenceAtItsTimes) {
   const auto folder = std::filesystem::temp_directory_path() / "ballast_track_test";
   std::filesystem::create_directories(folder);

@@ -1,0 +1,63 @@
+// How the pressure of each particle near a free body pushes it: the bodies' part of the pressure system,
+// dt^2 W K W^T with W the wrenches per unit pressure and K the mobility, kept as U U^T with U = dt W sqrt(K).
+#pragma once
+#include <Eigen/SparseCholesky>
+#include <span>
+#include <vector>
+
+#include "common/exchange/records.h"
+#include "fluid_server/boundary/samples.h"
+#include "fluid_server/passes/passes.h"
+
+namespace ballast::fluid {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+class BodyRows {
+ public:
+  /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples.
+  void build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
+             const std::vector<SampleSums>& sums, const PassConstants& constants, double dt);
+  bool empty() const { return row_.empty(); }
+  std::size_t bodies() const { return root_.size(); }  ///< all of the scene; those without rows stay zero
+  bool moves(std::size_t body) const { return first_[body] < first_[body + 1]; }
+
+  /// y_b = sum_i U_ib x_i, for each body.
+  void reduce(std::span<const float> x, std::vector<Vector6>& y) const;
+  /// out_i += sum_b U_ib . y_b.
+  void spread(std::span<const Vector6> y, std::span<float> out) const;
+  /// out_i -= sum_b U_ib . y_b / diagonal_i.
+  void spread_scaled(std::span<const Vector6> y, std::span<const float> diagonal, std::span<float> out) const;
+  /// sqrt(K) y: with y = reduce(p), dt times the body's acceleration by these pressures.
+  Vector6 motion(std::size_t body, const Vector6& y) const { return root_[body] * y; }
+  /// Largest eigenvalue that the bodies add to the system scaled by its diagonal (an upper bound).
+  double norm() const { return norm_; }
+  /// Prepares T = 1 + U^T D^-1 U for solve().
+  void factor(std::span<const float> diagonal);
+  void solve(std::vector<Vector6>& y) const;  ///< y = T^-1 y
+  std::size_t memory() const;
+
+ private:
+  struct Row {
+    std::uint32_t particle, body;
+    float u[6];
+  };
+  void add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
+                const PassConstants& constants, std::uint32_t begin, std::uint32_t end, std::vector<Row>& out) const;
+
+  int threads_ = 1;
+  std::vector<Row> row_;                        // in order of particles
+  std::vector<std::uint32_t> by_body_, first_;  // row indices by body
+  std::vector<std::uint32_t> particle_start_;   // first row of each particle that has one, and the end
+  std::vector<Matrix6> root_;                   // sqrt of the mobility, per body; zero without
+  std::vector<std::uint8_t> free_;              // has mobility
+  std::vector<std::uint32_t> sum_of_sample_;    // index into sums, by item; only samples of free bodies
+  std::vector<Eigen::Vector3f> arm_;            // of each sum's sample, m
+  std::vector<std::uint32_t> slot_;             // of each body among those with rows, ~0u without
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+  std::size_t unknowns_ = 0;
+  double norm_ = 0;
+};
+
+}  // namespace ballast::fluid

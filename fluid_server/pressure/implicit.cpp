@@ -1,0 +1,245 @@
+// The incompressible pressure solve.
+#include "fluid_server/pressure/implicit.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "fluid_server/pressure/sums.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+constexpr float kDensitySource = 0.2f;          // beta: share of the compression that a step takes back
+constexpr float kLargestSource = 0.1f;          // of a step: overlaps are let out slowly
+constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
+constexpr float kInside = 0.8f, kSpray = 0.5f;  // of the dimension: fullness of the inside, and of what is spray
+constexpr float kWorst = 1e-3f;                 // density error that a step may leave in any particle
+constexpr std::size_t kHistory = 5;
+
+}  // namespace
+
+void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExtras& extras,
+                             const PassConstants& constants, std::span<const exchange::BodyState> states,
+                             Response& response, std::vector<SampleSums>& sums, const ImplicitOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  particles_ = &particles, items_ = &items, extras_ = &extras, constants_ = &constants, options_ = options;
+  dt_ = constants.dt;
+  gravity_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
+  const std::size_t n = particles.size();
+  const int threads = constants.threads;
+
+  // What happens without pressure in the fluid; samples keep the part of theirs that does not depend on it.
+  pressure_.resize(n);
+  for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      pressure_[f] = particles.record[f].p;
+      items.record[items.fluid_item[f]].p = 0;
+    }
+  });
+  gather_samples(items, extras, constants, sums);
+  response.solve(items, extras, sums, constants, states, Scheme::kStaggered);
+  accelerate(items, extras, constants, acceleration_);
+
+  inverse_w_.resize(sums.size());
+  for_blocks(sums.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s)
+      items.record[items.sample_item[s]].p = inverse_w_[s] = sums[s].w > 0 ? 1 / sums[s].w : 0.f;
+  });
+  sum_rows(items, extras, constants, rows_);
+  correct_compression(particles);
+  predict(states, response);
+  apply_divergence(items, constants, inverse_w_, flow_, divergence_);
+  bodies_.build(items, samples_, states, sums, constants, dt_);
+
+  diagonal_.resize(n), right_.resize(n), bounded_.resize(n);
+  const double dt2 = dt_ * dt_;
+  const float dimension = static_cast<float>(constants.kernel.dimension);
+  const auto [mean_diagonal] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t f = begin; f < end; ++f) sum += rows_[f].diagonal * dt2;
+    return std::array<double, 1>{sum};
+  });
+  const float least = static_cast<float>(1e-3 * mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
+  for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      diagonal_[f] = std::max(static_cast<float>(rows_[f].diagonal * dt2), least);
+      bounded_[f] = rows_[f].fullness < kInside * dimension;
+      const float source = std::clamp(particles.compression[f], -kLargestSource, kLargestSource);
+      right_[f] = particles.record[f].volume * kDensitySource * source - static_cast<float>(dt_ * divergence_[f]);
+    }
+  });
+  if (!bodies_.empty()) bodies_.factor(diagonal_);
+  if (fluid_norm_ == 0) estimate_norm();
+  history_.clear();
+  const MprgpReport solved =
+      mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
+                   options.most_products, threads);
+  // What the solve leaves of each particle's divergence becomes compression: nothing is forgotten.
+  for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const float volume = particles.record[f].volume;
+      const float source = std::clamp(particles.compression[f], -kLargestSource, kLargestSource);
+      particles.compression[f] -= kDensitySource * source + mprgp_.gradient()[f] / volume;
+      particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
+    }
+  });
+  ++report_.solves;
+  report_.products += static_cast<std::uint64_t>(solved.products);
+  report_.most = std::max(report_.most, static_cast<std::uint64_t>(solved.products));
+  report_.expansions += static_cast<std::uint64_t>(solved.expansions);
+  report_.refused += static_cast<std::uint64_t>(solved.refused);
+  report_.unreached += !solved.converged;
+  report_.worst_residual = std::max(report_.worst_residual, report_.residual);
+  report_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Compression follows the divergence, which keeps the volume but forgets positions. Inside the fluid it is pulled to
+/// the summed density, less the mean excess that disorder gives every such sum (1 % in 2-D: the level would rise by as
+/// much); at a surface the sum is short of neighbours, but never less than the truth when it is above.
+void ImplicitPressure::correct_compression(Particles& particles) {
+  const float dimension = static_cast<float>(constants_->kernel.dimension);
+  const auto [sum, number] =
+      sum_blocks<2>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+        double excess = 0, inside = 0;
+        for (std::size_t f = begin; f < end; ++f) {
+          if (rows_[f].fullness <= kInside * dimension) continue;
+          excess += rows_[f].delta - 1 - particles.compression[f];
+          ++inside;
+        }
+        return std::array<double, 2>{excess, inside};
+      });
+  const float bias = number > 0 ? static_cast<float>(sum / number) : 0.f;
+  for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      float& e = particles.compression[f];
+      const float seen = rows_[f].delta - 1;
+      if (rows_[f].fullness < kSpray * dimension)
+        e = seen;
+      else if (rows_[f].fullness > kInside * dimension)
+        e += kPull * (seen - bias - e);
+      else
+        e = std::max(e, seen);
+    }
+  });
+}
+
+/// Velocities at the end of the step without the fluid's pressure.
+void ImplicitPressure::predict(std::span<const exchange::BodyState> states, const Response& response) {
+  Neighbourhood& items = *items_;
+  flow_.resize(items.record.size());
+  for_blocks(items.fluid_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Record& r = items.record[items.fluid_item[f]];
+      const float dt = constants_->dt;
+      const float* a = &acceleration_[3 * f];
+      flow_[items.fluid_item[f]] = {r.vx + dt * a[0], r.vy + dt * a[1], r.vz + dt * a[2], r.volume};
+    }
+  });
+  start_.resize(states.size());
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    Vector6 wrench;
+    wrench << Vec3::Map(response.wrenches()[b].force), Vec3::Map(response.wrenches()[b].torque);
+    start_[b] = Vector6::Map(states[b].free_acceleration) + mobility * wrench;
+  }
+  for_blocks(items.sample_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
+      const Record& r = items.record[item];
+      flow_[item] = {r.vx, r.vy, r.vz, r.volume};
+      const std::uint32_t body = samples_.body[sample];
+      if (sample < samples_.first_moving) continue;
+      const exchange::BodyState& state = states[body];
+      const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+      const Vec3 arm = q * samples_.local[sample].cast<double>();
+      const Vec3 gain = dt_ * (start_[body].head<3>() + start_[body].tail<3>().cross(arm));
+      flow_[item].x += static_cast<float>(gain[0]);
+      flow_[item].y += static_cast<float>(gain[1]);
+      flow_[item].z += static_cast<float>(gain[2]);
+    }
+  });
+}
+
+void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {
+  Neighbourhood& items = *items_;
+  const std::size_t n = x.size();
+  for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) items.record[items.fluid_item[f]].p = x[f];
+  });
+  apply_pressure(items, *extras_, *constants_, inverse_w_, flow_, out);
+  const float dt2 = static_cast<float>(dt_ * dt_);
+  for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) out[f] *= dt2;
+  });
+  if (bodies_.empty()) return;
+  bodies_.reduce(x, reduced_);
+  bodies_.spread(reduced_, out);
+}
+
+/// (D + U U^T)^-1 by Woodbury: D^-1 - D^-1 U (1 + U^T D^-1 U)^-1 U^T D^-1.
+void ImplicitPressure::precondition(std::span<const float> r, std::vector<float>& out) {
+  for_blocks(r.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) out[f] = r[f] / diagonal_[f];
+  });
+  if (bodies_.empty()) return;
+  bodies_.reduce(out, reduced_);
+  bodies_.solve(reduced_);
+  bodies_.spread_scaled(reduced_, diagonal_, out);
+}
+
+bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gradient) {
+  float worst = 0;
+#pragma omp parallel for num_threads(constants_->threads) schedule(static) reduction(max \
+                                                                                     : worst) if (x.size() > kSerial)
+  for (std::size_t f = 0; f < x.size(); ++f)
+    worst = std::max(worst, std::abs(gradient[f]) / particles_->record[f].volume);
+  const auto [error, volume] = sum_blocks<2>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    double sum = 0, all = 0;
+    for (std::size_t f = begin; f < end; ++f) sum += std::abs(gradient[f]), all += particles_->record[f].volume;
+    return std::array<double, 2>{sum, all};
+  });
+  report_.residual = volume > 0 ? error / volume : 0;
+  const bool density = report_.residual <= options_.tolerance && worst <= kWorst;
+  if (bodies_.empty()) return density;
+  bodies_.reduce(x, reduced_);
+  foreseen_.resize(reduced_.size());
+  for (std::size_t b = 0; b < reduced_.size(); ++b) foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_;
+  history_.push_back(foreseen_);
+  if (history_.size() > kHistory + 1) history_.pop_front();
+  if (!density || history_.size() <= kHistory) return false;
+  for (std::size_t b = 0; b < foreseen_.size(); ++b) {
+    const double size = std::max(foreseen_[b].head<3>().norm(), gravity_);
+    if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > options_.body_tolerance * size) return false;
+  }
+  return true;
+}
+
+/// Largest eigenvalue of the fluid's part scaled by its diagonal, by power iteration from a rough start.
+void ImplicitPressure::estimate_norm() {
+  const std::size_t n = particles_->size();
+  std::vector<float> x(n), y;
+  for (std::size_t f = 0; f < n; ++f) x[f] = (f * 2654435761u >> 16 & 1) ? 1.f : -1.f;
+  fluid_norm_ = 2;
+  for (int k = 0; k < 20; ++k) {
+    for (std::size_t f = 0; f < n; ++f) items_->record[items_->fluid_item[f]].p = x[f];
+    apply_pressure(*items_, *extras_, *constants_, inverse_w_, flow_, y);
+    double xx = 0, yy = 0;
+    for (std::size_t f = 0; f < n; ++f) {
+      y[f] *= static_cast<float>(dt_ * dt_) / diagonal_[f];
+      xx += static_cast<double>(x[f]) * x[f] * diagonal_[f], yy += static_cast<double>(y[f]) * y[f] * diagonal_[f];
+    }
+    const double norm = std::sqrt(yy / xx);
+    fluid_norm_ = std::max(2.0, 1.1 * norm);
+    for (std::size_t f = 0; f < n; ++f) x[f] = y[f] / static_cast<float>(norm);
+  }
+}
+
+std::size_t ImplicitPressure::memory() const {
+  const auto floats = inverse_w_.capacity() + diagonal_.capacity() + right_.capacity() + pressure_.capacity() +
+                      divergence_.capacity() + acceleration_.capacity() + 7 * pressure_.capacity();
+  return floats * sizeof(float) + rows_.capacity() * sizeof(RowSums) + flow_.capacity() * sizeof(Flow) +
+         bodies_.memory();
+}
+
+}  // namespace ballast::fluid

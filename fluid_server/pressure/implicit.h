@@ -1,0 +1,80 @@
+// The incompressible pressure solve: one bound-constrained system for density and divergence with the free bodies
+// inside,
+//   A p >= b, p >= 0, complementary,  A = dt^2 (G^T M^-1 G + W K W^T),  b = V beta e - dt (G^T v* + W^T u*).
+// e is the compression that is left, v* and u* what particles and bodies would do without pressure. README.md derives
+// it.
+#pragma once
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "fluid_server/boundary/response.h"
+#include "fluid_server/particles/particles.h"
+#include "fluid_server/pressure/body_rows.h"
+#include "fluid_server/pressure/mprgp.h"
+
+namespace ballast::fluid {
+
+/// What one step asks of the solver.
+struct ImplicitOptions {
+  double tolerance = 1e-5;       ///< mean density error left by a step
+  double body_tolerance = 1e-3;  ///< change of a body's acceleration over five products, of max(|a|, |G|)
+  int most_products = 2000;      ///< beyond which a step is counted as unreached
+};
+
+/// Sums over the run, for the record.
+struct ImplicitReport {
+  std::uint64_t solves = 0, products = 0, most = 0, expansions = 0, refused = 0, unreached = 0;
+  double residual = 0;        ///< mean density error left by the last solve
+  double worst_residual = 0;  ///< of all
+  double seconds = 0;         ///< inside the solver
+};
+
+class ImplicitPressure : private QuadraticProgram {
+ public:
+  ImplicitPressure(const Samples& samples, double spacing) : samples_(samples), spacing_(spacing) {}
+
+  /// Lists are built; `sums` and the samples' pressures are scratch. Finds the pressure of every particle into its
+  /// record and its item's, and advances `particles.compression`. The caller then lets `response` work as for any
+  /// pressure.
+  void solve(Particles& particles, Neighbourhood& items, ItemExtras& extras, const PassConstants& constants,
+             std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums,
+             const ImplicitOptions& options);
+
+  const ImplicitReport& report() const { return report_; }
+  /// Acceleration of each body that the solve foresaw: linear, angular.
+  std::span<const Vector6> foreseen() const { return foreseen_; }
+  std::size_t memory() const;
+
+ private:
+  void multiply(std::span<const float> x, std::vector<float>& out) override;
+  void precondition(std::span<const float> r, std::vector<float>& out) override;
+  bool good(std::span<const float> x, std::span<const float> gradient) override;
+
+  void correct_compression(Particles& particles);
+  void predict(std::span<const exchange::BodyState> states, const Response& response);
+  void estimate_norm();
+
+  const Samples& samples_;
+  double spacing_;
+  // of the solve at hand
+  Particles* particles_ = nullptr;
+  Neighbourhood* items_ = nullptr;
+  const ItemExtras* extras_ = nullptr;
+  const PassConstants* constants_ = nullptr;
+  ImplicitOptions options_;
+  double dt_ = 0, gravity_ = 0;
+
+  Mprgp mprgp_;
+  BodyRows bodies_;
+  std::vector<RowSums> rows_;
+  std::vector<float> inverse_w_, diagonal_, right_, pressure_, divergence_, acceleration_, free_part_;
+  std::vector<std::uint8_t> bounded_;
+  std::vector<Flow> flow_;
+  std::vector<Vector6> reduced_, foreseen_, start_;
+  std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
+  double fluid_norm_ = 0;
+  ImplicitReport report_;
+};
+
+}  // namespace ballast::fluid

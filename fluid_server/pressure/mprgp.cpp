@@ -1,0 +1,189 @@
+// Bound-constrained quadratic programs by MPRGP.
+#include "fluid_server/pressure/mprgp.h"
+
+#include <cmath>
+#include <limits>
+
+#include "fluid_server/pressure/sums.h"
+
+namespace ballast::fluid {
+
+namespace {
+
+double dot(std::span<const float> a, std::span<const float> b, int threads) {
+  return sum_blocks<1>(a.size(), threads, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += static_cast<double>(a[i]) * b[i];
+    return std::array<double, 1>{sum};
+  })[0];
+}
+
+}  // namespace
+
+MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
+                         std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
+                         int threads) {
+  program_ = &program;
+  diagonal_ = diagonal;
+  b_ = b;
+  bounded_ = bounded;
+  x_ = &x;
+  norm_ = norm;
+  threads_ = threads;
+  report_ = {};
+  for (auto* v : {&gradient_, &projected_, &direction_, &product_, &preconditioned_, &trial_, &trial_gradient_})
+    v->resize(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (bounded_[i]) x[i] = std::max(x[i], 0.f);
+  new_gradient();
+  fresh_ = true;
+  for (;;) {
+    split();
+    if (program.good(x, projected_)) {
+      report_.converged = true;
+      break;
+    }
+    if (report_.products >= most_products) break;
+    // Clamped entries that want to grow against what the free ones can still gain within their bounds, both in the
+    // metric of the diagonal.
+    const double longest = 1.9 / norm_;
+    const auto [clamped, slack] = sum_blocks<2>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      double c = 0, f = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        const double g = projected_[i], d = diagonal_[i];
+        if (free(i))
+          f += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
+        else
+          c += g * g / d;
+      }
+      return std::array<double, 2>{c, f};
+    });
+    if (clamped > std::max(slack, 0.0))
+      proportion();
+    else if (!step())
+      break;  // nothing left to gain in this precision
+  }
+  return report_;
+}
+
+void Mprgp::split() {
+  const std::vector<float>& x = *x_;
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) projected_[i] = free(i) ? gradient_[i] : std::min(gradient_[i], 0.f);
+  });
+}
+
+void Mprgp::restart() {
+  const std::vector<float>& x = *x_;
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) trial_[i] = free(i) ? gradient_[i] : 0.f;
+  });
+  program_->precondition(trial_, preconditioned_);
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) preconditioned_[i] = free(i) ? preconditioned_[i] : 0.f;
+  });
+}
+
+bool Mprgp::step() {
+  const std::vector<float>& x = *x_;
+  restart();
+  if (fresh_) {
+    direction_ = preconditioned_;
+    fresh_ = false;
+  } else {  // conjugate to the last direction, whose product is still there
+    const double beta = dot(preconditioned_, product_, threads_) / dot(direction_, product_, threads_);
+    const float keep = static_cast<float>(beta);
+    for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) direction_[i] = preconditioned_[i] - keep * direction_[i];
+    });
+  }
+  product(direction_, product_);
+  const double curvature = dot(direction_, product_, threads_), slope = dot(gradient_, direction_, threads_);
+  if (!(curvature > 0) || !(slope > 0)) {
+    const bool was_fresh = report_.products > 1 && direction_ == preconditioned_;
+    fresh_ = true;
+    return !was_fresh;
+  }
+  const double alpha = slope / curvature;
+  double feasible = std::numeric_limits<double>::infinity();
+#pragma omp parallel for num_threads(threads_) schedule(static) reduction(min : feasible) if (x.size() > kSerial)
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (direction_[i] > 0 && bounded_[i]) feasible = std::min(feasible, static_cast<double>(x[i]) / direction_[i]);
+  if (alpha <= feasible)
+    subtract(alpha);
+  else
+    expand(alpha, feasible);
+  return true;
+}
+
+void Mprgp::subtract(double alpha) {
+  std::vector<float>& x = *x_;
+  const float a = static_cast<float>(alpha);
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      x[i] = clamp(i, x[i] - a * direction_[i]);
+      gradient_[i] -= a * product_[i];
+    }
+  });
+}
+
+/// The whole conjugate step, cut off at the bounds, is kept if it lowers the energy; cutting off pressures of a light
+/// body leaves a force that may do anything. Else a step to the bound and a short one down the gradient, which always
+/// does.
+void Mprgp::expand(double alpha, double feasible) {
+  std::vector<float>& x = *x_;
+  ++report_.expansions;
+  fresh_ = true;
+  const float a = static_cast<float>(alpha);
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) trial_[i] = clamp(i, x[i] - a * direction_[i]);
+  });
+  product(trial_, trial_gradient_);
+  const auto [change] = sum_blocks<1>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      trial_gradient_[i] -= b_[i];
+      sum += (static_cast<double>(trial_[i]) - x[i]) * (static_cast<double>(trial_gradient_[i]) + gradient_[i]);
+    }
+    return std::array<double, 1>{sum};
+  });
+  if (change < 0) {
+    std::swap(x, trial_);
+    std::swap(gradient_, trial_gradient_);
+    return;
+  }
+  ++report_.refused;
+  subtract(feasible);
+  const float shortened = static_cast<float>(1.9 / norm_);
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (free(i)) x[i] = clamp(i, x[i] - shortened * gradient_[i] / diagonal_[i]);
+  });
+  new_gradient();
+}
+
+void Mprgp::proportion() {
+  const std::vector<float>& x = *x_;
+  ++report_.proportionings;
+  fresh_ = true;
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) direction_[i] = free(i) ? 0.f : projected_[i] / diagonal_[i];
+  });
+  product(direction_, product_);
+  const double curvature = dot(direction_, product_, threads_);
+  if (curvature > 0) subtract(dot(gradient_, direction_, threads_) / curvature);
+}
+
+void Mprgp::new_gradient() {
+  product(*x_, gradient_);
+  for_blocks(gradient_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) gradient_[i] -= b_[i];
+  });
+}
+
+void Mprgp::product(std::span<const float> x, std::vector<float>& out) {
+  ++report_.products;
+  program_->multiply(x, out);
+}
+
+}  // namespace ballast::fluid

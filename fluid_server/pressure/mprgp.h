@@ -1,0 +1,68 @@
+// Bound-constrained quadratic programs by MPRGP (modified proportioning with reduced gradient projections, Dostal and
+// Schoeberl 2005): minimise x.A x / 2 - b.x with x >= 0 for the entries that are bounded, A symmetric positive
+// semidefinite and known by its products. Conjugate gradients on the entries that are free (x > 0); proportioning when
+// the gradient of the clamped ones dominates; expansion when a step would leave the bounds.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ballast::fluid {
+
+/// What MPRGP must know of the problem.
+class QuadraticProgram {
+ public:
+  virtual ~QuadraticProgram() = default;
+  /// out = A x.
+  virtual void multiply(std::span<const float> x, std::vector<float>& out) = 0;
+  /// out = (approximate inverse of A) r, symmetric positive definite.
+  virtual void precondition(std::span<const float> r, std::vector<float>& out) = 0;
+  /// True if x is good enough. `gradient` is that of the free entries, and the negative part of that of the clamped
+  /// ones: zero at the solution.
+  virtual bool good(std::span<const float> x, std::span<const float> gradient) = 0;
+};
+
+struct MprgpReport {
+  int products = 0;    ///< of A with a vector: the cost
+  int expansions = 0;  ///< steps that met a bound
+  int refused = 0;     ///< projected steps that would have raised the energy: a short one was taken
+  int proportionings = 0;
+  bool converged = false;
+};
+
+class Mprgp {
+ public:
+  /// `bounded` marks the entries that must not be negative. `diagonal` > 0 scales the entries: an approximation of A's.
+  /// x holds the start (negative entries are clamped) and the result. `norm` bounds the largest eigenvalue of A scaled
+  /// by the diagonal; it is raised if it proves too small.
+  MprgpReport solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
+                    std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
+                    int threads);
+  /// A x - b at the result.
+  std::span<const float> gradient() const { return gradient_; }
+
+ private:
+  bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
+  float clamp(std::size_t i, float value) const { return bounded_[i] ? std::max(value, 0.f) : value; }
+  void split();  ///< gradient_ -> projected_
+  void restart();
+  bool step();  ///< conjugate gradients, or expansion
+  void expand(double alpha, double feasible);
+  void proportion();
+  void subtract(double alpha);  ///< x -= alpha direction, gradient -= alpha A direction
+  void new_gradient();          ///< from scratch: no rounding of many updates stays
+  void product(std::span<const float> x, std::vector<float>& out);
+
+  QuadraticProgram* program_ = nullptr;
+  std::span<const float> diagonal_, b_;
+  std::span<const std::uint8_t> bounded_;
+  std::vector<float>* x_ = nullptr;
+  double norm_ = 0;
+  int threads_ = 1;
+  bool fresh_ = true;  // the direction is to start anew
+  MprgpReport report_;
+  std::vector<float> gradient_, projected_, direction_, product_, preconditioned_, trial_, trial_gradient_;
+};
+
+}  // namespace ballast::fluid
