@@ -51,6 +51,20 @@ class StopSignals {
   }, old_term_{};
 };
 
+const char* state_name(PeerState state) {
+  switch (state) {
+    case PeerState::kAbsent:
+      return "absent";
+    case PeerState::kRunning:
+      return "running";
+    case PeerState::kFinished:
+      return "finished";
+    case PeerState::kDead:
+      return "dead";
+  }
+  return "unknown";
+}
+
 class Driver {
  public:
   Driver(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
@@ -75,6 +89,7 @@ class Driver {
       grant();
       react_to_signals();
       show();
+      publish();
       bool fine = true;
       for (Role role : roles_) fine = alive_or_finished(role) && fine;  // each must get its say in the message
       if (!fine) break;
@@ -101,7 +116,10 @@ class Driver {
     for (Role role : roles_) {
       frames_.clear();
       Status drained = control_.drain(role, frames_);
-      for (std::size_t i = 0; drained && i < frames_.size(); ++i) drained = collector_.take(role, frames_[i]);
+      for (std::size_t i = 0; drained && i < frames_.size(); ++i) {
+        drained = collector_.take(role, frames_[i]);
+        if (options_.publisher) options_.publisher->take(role, std::move(frames_[i]));
+      }
       if (!drained) {
         fail(kProcessFailed, drained.error().text());
         return false;
@@ -141,6 +159,29 @@ class Driver {
                     .steps = totals.steps,
                     .particles = totals.last.particles,
                     .density_error = totals.last.error[0]});
+  }
+
+  void publish() {
+    if (options_.publisher && options_.publisher->status_due()) {
+      options_.publisher->status(run_status(collector_.totals(roles_.front()).steps > 0 ? "running" : "starting"));
+    }
+  }
+
+  RunStatus run_status(const char* state) const {
+    const StepTotals& totals = collector_.totals(roles_.front());
+    RunStatus s;
+    s.state = state;
+    s.last = totals.last;
+    s.steps = totals.steps;
+    s.wall = elapsed();
+    for (Role role : roles_) {
+      const StepTotals& own = collector_.totals(role);
+      (role == Role::kFluid ? s.fluid : s.rigid) = {control_.pid(role), state_name(control_.state(role)), own.compute_s,
+                                                    own.wait_s};
+    }
+    s.warnings = collector_.warnings().size();
+    s.exit_code = outcome_.exit;
+    return s;
   }
 
   /// False if the process is gone without having finished, or never came.
@@ -194,6 +235,8 @@ class Driver {
       }
     }
     if (worst != kFine && outcome_.exit == kFine) fail(worst, messages);
+    if (options_.publisher)
+      outcome_.lcm = options_.publisher->close(run_status(outcome_.exit == kFine ? "finished" : "failed"));
   }
 
   json parse(Role role) {

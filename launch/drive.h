@@ -8,6 +8,7 @@
 #include "launch/children.h"
 #include "launch/collect.h"
 #include "launch/prepare.h"
+#include "launch/publish.h"
 
 namespace ballast::launch {
 
@@ -19,10 +20,12 @@ struct Outcome {
   double wall_s = 0;    ///< from the start of the processes to the last step report
   double total_s = 0;   ///< ... to the end of both processes (pictures included)
   nlohmann::json fluid = nlohmann::json::object(), rigid = nlohmann::json::object();  ///< final reports
+  nlohmann::json lcm;  ///< of the publisher, if there is one
 };
 
 struct DriveOptions {
   bool by_hand = false, quiet = false;
+  Publisher* publisher = nullptr;  ///< null: nobody wants messages
 };
 
 /// Drives a run whose processes have been started (or will be, by hand). Ctrl-C and SIGTERM stop it in good order.

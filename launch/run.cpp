@@ -15,7 +15,9 @@
 #include "launch/drive.h"
 #include "launch/expect.h"
 #include "launch/prepare.h"
+#include "launch/publish.h"
 #include "launch/record.h"
+#include "msgs/url.h"
 
 namespace ballast::launch {
 
@@ -178,6 +180,13 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
 int run(const RunOptions& options) {
   auto prepared = prepare(options.scene, options.overrides);
   if (!prepared) return fail(prepared.error());
+  std::string lcm_url;
+  if (prepared->scene.output.lcm) {
+    if (Status s = Publisher::available(); !s) return fail(s.error());
+    auto url = msgs::url_to_open(options.lcm_url);
+    if (!url) return fail(url.error());
+    lcm_url = *url;
+  }
   auto out_dir = make_out_dir(options.out, prepared->scene.name);
   if (!out_dir) return fail(out_dir.error());
   for (const std::string& name : Segment::remove_stale()) {
@@ -199,13 +208,20 @@ int run(const RunOptions& options) {
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;
   plan.rigid = prepared->rigid;
+  if (!lcm_url.empty()) plan.monitor = Publisher::frames_wanted(prepared->scene);
   const std::string name = Segment::make_name();
   auto segment = Segment::create(name, plan);
   if (!segment) return fail(segment.error());
 
   Children children;
   if (Status s = start_or_print(children, *prepared, name, options, *out_dir); !s) return fail(s.error());
-  Outcome outcome = drive(*segment, children, *prepared, *collector, {options.by_hand, options.quiet});
+  std::unique_ptr<Publisher> publisher;
+  if (!lcm_url.empty()) {  // after the children, which would inherit its sockets
+    auto made = Publisher::make(*prepared, lcm_url);
+    if (!made) return fail(made.error());
+    publisher = std::move(*made);
+  }
+  Outcome outcome = drive(*segment, children, *prepared, *collector, {options.by_hand, options.quiet, publisher.get()});
   return conclude(*prepared, outcome, *collector, options, *out_dir);
 }
 
