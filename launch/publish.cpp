@@ -2,6 +2,7 @@
 // subscriber that sleeps - happens to this thread alone.
 #include "launch/publish.h"
 
+#include <signal.h>
 #include <sys/resource.h>
 
 #include <atomic>
@@ -37,9 +38,13 @@ using Item = std::variant<FrameItem, RunStatus>;
 
 struct Publisher::Worker {
   Worker(const Prepared& prepared, std::string where)
-      : url(std::move(where)), lcm(url), facts(MessageFacts::of(prepared)) {}
+      : url(std::move(where)), lcm(std::make_unique<lcm::LCM>(url)), facts(MessageFacts::of(prepared)) {}
 
   void run() {
+    // Ctrl-C is the coordinator's; and a tcpq server that dies while LCM writes to it would end us all with SIGPIPE.
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
     // 10: on shared cores the two processes of the run come first. Linux applies it to the calling thread only.
     setpriority(PRIO_PROCESS, 0, 10);
     while (auto item = queue.take()) {
@@ -54,7 +59,7 @@ struct Publisher::Worker {
 
   template <class Message>
   void send(const char* channel, const Message& message) {
-    (lcm.publish(channel, &message) == 0 ? sent : failed).fetch_add(1, std::memory_order_relaxed);  // counts only
+    (lcm->publish(channel, &message) == 0 ? sent : failed).fetch_add(1, std::memory_order_relaxed);  // counts only
   }
   template <class Message>
   void send(const char* channel, const std::vector<Message>& messages) {
@@ -101,7 +106,7 @@ struct Publisher::Worker {
   }
 
   const std::string url;
-  lcm::LCM lcm;  // used by the thread alone
+  std::unique_ptr<lcm::LCM> lcm;  // used by the thread alone
   const MessageFacts facts;
   PublishQueue<Item> queue{kQueueBytes};
   std::atomic<std::uint64_t> sent = 0, failed = 0;
@@ -126,7 +131,7 @@ std::uint32_t Publisher::frames_wanted(const Scene& scene) {
 
 Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared& prepared, const std::string& url) {
   auto worker = std::make_shared<Worker>(prepared, url);
-  if (!worker->lcm.good()) {
+  if (!worker->lcm->good()) {
     return Error{
         "LCM cannot open '" + url + "'",
         "udpm: a multicast address and a network with a route to it (ip link set lo multicast on; ip route add "
@@ -160,6 +165,7 @@ nlohmann::json Publisher::close(const RunStatus& last) {
   worker_->queue.close(last);
   if (worker_->queue.wait_done(kFarewell)) {
     worker_->thread.join();
+    worker_->lcm.reset();  // a log file is whole only now
   } else {
     worker_->thread.detach();  // blocked in LCM; it holds the worker, and ends with the process
   }

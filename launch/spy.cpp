@@ -70,7 +70,8 @@ int spy(const std::string& lcm_url) {
         "the types for lcm-spy were not built: no " + types,
         "apt-get install default-jdk liblcm-dev liblcm-bin liblcm-java, then `touch CMakeLists.txt` and start again");
   }
-  if (!std::getenv("DISPLAY")) return fail("lcm-spy is a window, and there is no DISPLAY", "use ballast watch instead");
+  if (const char* display = std::getenv("DISPLAY"); display == nullptr || *display == 0)
+    return fail("lcm-spy is a window, and there is no DISPLAY", "use ballast watch instead");
   setenv("CLASSPATH", types.c_str(), 1);
   setenv("LCM_DEFAULT_URL", url->c_str(), 1);
   return become({"java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp", lcm + ":" + charts, "lcm.spy.Spy"});
