@@ -75,6 +75,7 @@ class Driver {
         collector_(collector),
         options_(options),
         progress_(options.quiet),
+        obey_(options.stop_after),
         start_(Clock::now()) {
     if (prepared.fluid) roles_.push_back(Role::kFluid);
     if (prepared.rigid) roles_.push_back(Role::kRigid);
@@ -86,6 +87,7 @@ class Driver {
       control_.wait_for_news(kNap);
       children_.poll();
       if (!look()) break;
+      obey();
       grant();
       react_to_signals();
       show();
@@ -129,8 +131,29 @@ class Driver {
     return true;
   }
 
+  /// Last step done by the process that begins them. Not what both have reported: the rigid process reports a step only
+  /// when the next order comes, and in a pause none does.
+  const exchange::StepReport& done() const { return collector_.totals(roles_.front()).last; }
+
+  void obey() {
+    if (options_.commands) {
+      for (const RunCommand& c : options_.commands->take()) {
+        obey_.take(c, done().step, done().time);
+      }
+    }
+    if (stopping_ || !obey_.stop_due(done().step)) return;
+    stopping_ = commanded_ = true;
+    control_.stop();
+  }
+
   void grant() {
     if (stopping_) return;
+    if (const auto limit = obey_.limit()) {
+      // Lower than what was granted: steps begun go on, no other begins.
+      const std::uint64_t credit = std::min(*limit, collector_.reported() + kRunAhead);
+      if (credit != granted_) control_.grant(granted_ = credit);
+      return;
+    }
     if (const auto credit = next_credit(granted_, collector_.reported(), kRunAhead)) {
       granted_ = *credit;
       control_.grant(granted_);
@@ -163,7 +186,8 @@ class Driver {
 
   void publish() {
     if (options_.publisher && options_.publisher->status_due()) {
-      options_.publisher->status(run_status(collector_.totals(roles_.front()).steps > 0 ? "running" : "starting"));
+      const bool begun = collector_.totals(roles_.front()).steps > 0;
+      options_.publisher->status(run_status(obey_.paused() ? "paused" : begun ? "running" : "starting"));
     }
   }
 
@@ -219,6 +243,8 @@ class Driver {
     look();
     outcome_.total_s = elapsed();
     if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
+    if (commanded_) outcome_.stopped_after = done().step;
+    outcome_.commands = obey_.record();
     int worst = kFine;
     std::string messages;
     for (Role role : roles_) {
@@ -252,7 +278,9 @@ class Driver {
   Collector& collector_;
   DriveOptions options_;
   Progress progress_;
+  Obey obey_;
   StopSignals signals_;
+  bool commanded_ = false;  // stopping because of a command
   Clock::time_point start_;
   std::vector<Role> roles_;
   std::vector<exchange::Frame> frames_;

@@ -7,6 +7,7 @@
 #include "launch/bench.h"
 #include "launch/children.h"
 #include "launch/commands.h"
+#include "launch/lcm_commands.h"
 #include "launch/run.h"
 #include "launch/spy.h"
 
@@ -71,6 +72,9 @@ struct RunArguments {
     run.add_flag("--lcm", lcm, "send live messages over LCM (ballast watch, ballast tap, ballast spy)");
     run.add_option("--lcm-url", options.lcm_url, "the same, to this LCM URL (default: this machine only)")
         ->type_name("URL");
+    run.add_flag("--lcm-commands", options.lcm_commands, "obey `ballast tell` from whoever sends there; with --lcm");
+    run.add_option("--replay", options.replay, "record of a run stopped by a command: stop after the same step")
+        ->type_name("RECORD");
     run.add_flag("--by-hand", options.by_hand, "print the commands of the two processes instead of starting them");
     run.add_flag("--quiet", options.quiet, "no progress, only the last five lines");
   }
@@ -81,7 +85,7 @@ struct RunArguments {
     }
     if (picture) options.overrides.emplace_back("output.picture", "true");
     if (vtk) options.overrides.emplace_back("output.vtk", "true");
-    if (lcm || !options.lcm_url.empty()) options.overrides.emplace_back("output.lcm", "true");
+    if (lcm || options.lcm_commands || !options.lcm_url.empty()) options.overrides.emplace_back("output.lcm", "true");
   }
 };
 
@@ -91,6 +95,19 @@ CLI::App* add_monitor(CLI::App& app, const char* name, const char* help) {
   command->set_help_flag();  // ballast_monitor prints it
   command->prefix_command();
   return command;
+}
+
+CLI::App* add_tell(CLI::App& app, launch::RunCommand& command, std::string& url) {
+  CLI::App* tell = app.add_subcommand("tell", "pause, step, resume or stop a run with --lcm-commands");
+  tell->add_option("ACTION", command.action, "at the next border of a step")
+      ->required()
+      ->check(CLI::IsMember({"pause", "step", "resume", "stop"}));
+  command.steps = 1;
+  tell->add_option("STEPS", command.steps, "how many more, for step")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  tell->add_option("--lcm-url", url, "LCM URL of the run")->type_name("URL");
+  return tell;
 }
 
 Overrides overrides_of(const std::vector<std::string>& sets) {
@@ -130,6 +147,9 @@ int main(int argc, char** argv) {
   CLI::App* schema = app.add_subcommand("schema", "print the JSON Schema of scene files");
   CLI::App* watch = add_monitor(app, "watch", "one screen of text about a run with --lcm");
   CLI::App* tap = add_monitor(app, "tap", "print one channel of a run with --lcm, e.g. tap BALLAST_BODIES --csv");
+  launch::RunCommand command;
+  std::string tell_url;
+  CLI::App* tell = add_tell(app, command, tell_url);
   CLI::App* spy = app.add_subcommand("spy", "lcm-spy: a window with every channel and field of runs with --lcm");
   std::string spy_url;
   spy->add_option("--lcm-url", spy_url, "LCM URL to listen at")->type_name("URL");
@@ -146,6 +166,7 @@ int main(int argc, char** argv) {
   }
   if (*watch || *tap) return launch::become_monitor({argv + 1, argv + argc});
   if (*spy) return launch::spy(spy_url);
+  if (*tell) return launch::tell(command, tell_url);
   launch::RunOptions& options = wanted.options;
   wanted.spell_out();
   options.scene = find_scene(arguments.scene);

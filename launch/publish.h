@@ -14,7 +14,7 @@ namespace ballast::launch {
 
 /// How a run stands, as the coordinator knows it; becomes status_t.
 struct RunStatus {
-  std::string state;            ///< starting, running, finished, failed
+  std::string state;            ///< starting, running, paused, finished, failed
   exchange::StepReport last{};  ///< of the fluid, or of the rigid process alone
   std::uint64_t steps = 0;
   double wall = 0;  ///< s since the start

@@ -1,4 +1,8 @@
-// In place of publish.cpp where LCM is not installed: asking for it is an error, everything else works.
+// In place of publish.cpp and lcm_commands.cpp where LCM is not installed: asking for it is an error, everything else
+// works.
+#include <fmt/format.h>
+
+#include "launch/lcm_commands.h"
 #include "launch/publish.h"
 
 namespace ballast::launch {
@@ -17,5 +21,16 @@ Publisher::~Publisher() = default;
 void Publisher::take(exchange::Role, exchange::Frame&&) {}
 void Publisher::status(const RunStatus&) {}
 nlohmann::json Publisher::close(const RunStatus&) { return nullptr; }
+
+struct CommandListener::Worker {};
+Result<std::unique_ptr<CommandListener>> CommandListener::make(const std::string&) {
+  return Publisher::available().error();
+}
+CommandListener::~CommandListener() = default;
+std::vector<RunCommand> CommandListener::take() { return {}; }
+int tell(const RunCommand&, const std::string&) {
+  fmt::print(stderr, "ballast: {}\n", Publisher::available().error().text());
+  return kBadInput;
+}
 
 }  // namespace ballast::launch

@@ -226,6 +226,8 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   record["exchange_s"] =
       prepared.fluid && prepared.rigid ? json(std::max(0.0, totals.wait_s - rigid_totals.compute_s)) : json(0.0);
   record["step_limits"] = get(fluid, "step_limits");
+  if (!outcome.commands.empty()) record["commands"] = outcome.commands;
+  if (outcome.stopped_after) record["stopped_after_step"] = *outcome.stopped_after;
   if (outcome.lcm.is_object()) record["lcm"] = outcome.lcm;
   add_lists(record, prepared, outcome, collector, verdicts);
   for (const auto& [side, report] : {std::pair{"fluid_process", &fluid}, std::pair{"rigid_process", &rigid}}) {

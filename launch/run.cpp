@@ -180,6 +180,12 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
 int run(const RunOptions& options) {
   auto prepared = prepare(options.scene, options.overrides);
   if (!prepared) return fail(prepared.error());
+  std::optional<std::uint64_t> stop_after;
+  if (!options.replay.empty()) {
+    auto step = stop_step_of(options.replay);
+    if (!step) return fail(step.error());
+    stop_after = *step;
+  }
   std::string lcm_url;
   if (prepared->scene.output.lcm) {
     if (Status s = Publisher::available(); !s) return fail(s.error());
@@ -221,7 +227,14 @@ int run(const RunOptions& options) {
     if (!made) return fail(made.error());
     publisher = std::move(*made);
   }
-  Outcome outcome = drive(*segment, children, *prepared, *collector, {options.by_hand, options.quiet, publisher.get()});
+  std::unique_ptr<CommandListener> commands;
+  if (options.lcm_commands) {
+    auto made = CommandListener::make(lcm_url);
+    if (!made) return fail(made.error());
+    commands = std::move(*made);
+  }
+  Outcome outcome = drive(*segment, children, *prepared, *collector,
+                          {options.by_hand, options.quiet, commands.get(), stop_after, publisher.get()});
   return conclude(*prepared, outcome, *collector, options, *out_dir);
 }
 

@@ -107,6 +107,10 @@ void View::run_lines(std::vector<std::string>& out) const {
                                   s.real_time_factor_mean, s.wall);
   if (done > 0.02 && done < 1 && !ended()) speed += fmt::format(", {:.0f} s left", s.wall * (1 - done) / done);
   out.push_back(speed);
+  if (s.step == 0) {
+    out.push_back("step       none yet: the processes are setting up");
+    return;
+  }
   out.push_back(fmt::format("step       {} of {:.4g} ms, limited by {}", s.step, 1e3 * s.dt, s.step_limit));
 }
 

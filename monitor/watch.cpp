@@ -19,8 +19,8 @@ void print(const std::vector<std::string>& lines) {
 
 void draw(const std::vector<std::string>& lines) {
   std::string text = "\033[H";  // home; each line clears its own rest, so that nothing flickers
-  for (const std::string& line : lines) text += line + "\033[K\r\n";
-  text.resize(text.size() - 2);  // a line break in the last line would scroll
+  for (const std::string& line : lines) text += line + "\033[K\n";
+  text.pop_back();  // a line break in the last line would scroll
   fmt::print("{}\033[J", text);
   std::fflush(stdout);
 }

@@ -11,4 +11,6 @@ inline constexpr const char* kFluid = "BALLAST_FLUID";          ///< fluid_stati
 inline constexpr const char* kParticles = "BALLAST_PARTICLES";  ///< particles_t
 inline constexpr const char* kWarning = "BALLAST_WARNING";      ///< warning_t
 
+inline constexpr const char* kCommand = "BALLAST_COMMAND";  ///< command_t, to a run
+
 }  // namespace ballast::msgs
