@@ -28,9 +28,9 @@ struct Outcome {
 
 struct DriveOptions {
   bool by_hand = false, quiet = false;
-  CommandListener* commands = nullptr;      ///< null: nobody may give any
-  std::optional<std::uint64_t> stop_after;  ///< replay of a run that was stopped: its last step
-  Publisher* publisher = nullptr;           ///< null: nobody wants messages
+  CommandListener* commands = nullptr;           ///< null: nobody may give any
+  std::optional<std::uint64_t> stop_after = {};  ///< replay of a run that was stopped: its last step
+  Publisher* publisher = nullptr;                ///< null: nobody wants messages
 };
 
 /// Drives a run whose processes have been started (or will be, by hand). Ctrl-C and SIGTERM stop it in good order.

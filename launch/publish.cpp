@@ -122,9 +122,11 @@ struct Publisher::Worker {
 
 Status Publisher::available() { return ok(); }
 
-std::uint32_t Publisher::frames_wanted(const Scene& scene) {
+std::uint32_t Publisher::frames_wanted(const Prepared& prepared) {
+  if (!prepared.fluid) return 0;
+  const Scene& scene = prepared.scene;
   std::uint32_t bits = exchange::monitor_bit(FrameKind::kFluid);
-  if (scene.coupling.contact_sets) bits |= exchange::monitor_bit(FrameKind::kContacts);
+  if (prepared.rigid && scene.coupling.contact_sets) bits |= exchange::monitor_bit(FrameKind::kContacts);
   if (scene.output.lcm_particles > 0) bits |= exchange::monitor_bit(FrameKind::kParticles);
   return bits;
 }

@@ -32,8 +32,8 @@ class Publisher {
  public:
   /// Whether this build has LCM at all; the error says what to install.
   static Status available();
-  /// Frames that a process should write for the messages of this scene: bits of Header::monitor.
-  static std::uint32_t frames_wanted(const Scene& scene);
+  /// Frames that a process should write for the messages of this run: bits of Header::monitor.
+  static std::uint32_t frames_wanted(const Prepared& prepared);
   /// Opens the URL (see msgs/url.h) and starts the thread. `prepared` must outlive this object.
   static Result<std::unique_ptr<Publisher>> make(const Prepared& prepared, const std::string& url);
   ~Publisher();

@@ -15,7 +15,7 @@ Status Publisher::available() {
       "apt-get install liblcm-dev liblcm-bin, then `touch CMakeLists.txt` and start again: the build finds them",
       "--lcm"};
 }
-std::uint32_t Publisher::frames_wanted(const Scene&) { return 0; }
+std::uint32_t Publisher::frames_wanted(const Prepared&) { return 0; }
 Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared&, const std::string&) { return available().error(); }
 Publisher::~Publisher() = default;
 void Publisher::take(exchange::Role, exchange::Frame&&) {}

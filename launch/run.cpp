@@ -214,7 +214,7 @@ int run(const RunOptions& options) {
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;
   plan.rigid = prepared->rigid;
-  if (!lcm_url.empty()) plan.monitor = Publisher::frames_wanted(prepared->scene);
+  if (!lcm_url.empty()) plan.monitor = Publisher::frames_wanted(*prepared);
   const std::string name = Segment::make_name();
   auto segment = Segment::create(name, plan);
   if (!segment) return fail(segment.error());

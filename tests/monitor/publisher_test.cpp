@@ -114,13 +114,18 @@ TEST(Publisher, NamesTheUrlThatCannotBeOpened) {
   EXPECT_NE(refused.error().what.find("no_such_folder"), std::string::npos);
 }
 
-TEST(Publisher, WantsFramesOfTheKindsOfTheSceneOnly) {
-  Scene scene;
-  EXPECT_EQ(Publisher::frames_wanted(scene), 0b1110000u);  // fluid, contacts, particles: kinds 4, 5, 6
-  scene.coupling.contact_sets = false;
-  EXPECT_EQ(Publisher::frames_wanted(scene), 0b1010000u);
-  scene.output.lcm_particles = 0;
-  EXPECT_EQ(Publisher::frames_wanted(scene), 0b0010000u);
+TEST(Publisher, WantsFramesOnlyOfWhatThereIsAndIsAskedFor) {
+  launch::Prepared run = prepared_scene();
+  EXPECT_EQ(Publisher::frames_wanted(run), 0b1110000u);  // fluid, contacts, particles: kinds 4, 5, 6
+  run.scene.coupling.contact_sets = false;
+  EXPECT_EQ(Publisher::frames_wanted(run), 0b1010000u);
+  run.scene.output.lcm_particles = 0;
+  EXPECT_EQ(Publisher::frames_wanted(run), 0b0010000u);
+  run.fluid = false;
+  EXPECT_EQ(Publisher::frames_wanted(run), 0u);
+  run = prepared_scene();
+  run.rigid = false;  // nothing moves: no contact sets
+  EXPECT_EQ(Publisher::frames_wanted(run), 0b1010000u);
 }
 
 /// A tcpq server that greets its client, as LCM's does, and then never reads a byte.
