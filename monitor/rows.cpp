@@ -161,6 +161,8 @@ Result<Rows> rows_of(const void* data, std::size_t bytes) {
   auto message = std::make_unique<std::byte[]>(static_cast<std::size_t>(type->info->struct_size()));
   const int length = static_cast<int>(std::min<std::size_t>(bytes, std::numeric_limits<int>::max()));
   if (type->info->decode(data, 0, length, message.get()) < 0) {
+    // Entries of a list may hold anything where the decoder gave up, so those few bytes are lost rather than freed.
+    if (list_size(*type->info, message.get()) < 0) type->info->decode_cleanup(message.get());
     return Error{fmt::format("a {} of {} bytes is damaged", type->name, bytes), "it was cut short on its way", ""};
   }
   Rows out{type->name, {}, {}};
