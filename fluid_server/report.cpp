@@ -157,7 +157,7 @@ void Report::write_final(std::span<const exchange::BodyState> states, std::uint3
 }
 
 std::string Report::json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
-                         double waited, const Status& outcome) const {
+                         const exchange::Link& link, const Status& outcome) const {
   using nlohmann::json;
   const Measures end = fluid_.measure();
   json j;
@@ -174,8 +174,11 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
     if (limits_[k]) j["step_limits"][kLimitNames[k]] = limits_[k];
   j["limit_names"] = kLimitNames;
   const StageTimes& t = fluid_.times();
-  j["stages"] = {
-      {"sort", t.sort}, {"pressure", t.pressure}, {"boundary", t.boundary}, {"motion", t.motion}, {"wait", waited}};
+  j["stages"] = {{"sort", t.sort},
+                 {"pressure", t.pressure},
+                 {"boundary", t.boundary},
+                 {"motion", t.motion},
+                 {"wait", link.seconds_waited()}};
   j["error"] = {
       {"density_mean", error_count_ ? error_mean_sum_ / static_cast<double>(error_count_) : end.compression_mean},
       {"density_max", std::max(error_max_, end.compression_max)},
@@ -229,6 +232,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   j["rss_bytes"] = resident_bytes();
   j["state_hash"] = fmt::format("{:016x}", fluid_.hash());
   j["warnings"] = warnings_;
+  if (link.dropped_frames() > 0) j["monitor_frames_dropped"] = link.dropped_frames();
   if (!outcome) j["failure"] = outcome.error().text();
   return j.dump();
 }

@@ -20,6 +20,8 @@ class Report {
   void quiet(const QuietReport& quiet);
   /// Books one finished step.
   void count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState> states, double dt, double time);
+  /// Measured last (every 20 steps).
+  const Measures& measured() const { return last_; }
   exchange::StepReport step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash);
   /// Sends warnings that have come up since the last call.
   Status new_warnings(exchange::Link& link, std::uint64_t step, double time);
@@ -28,7 +30,7 @@ class Report {
   /// Picture of the last state, if the scene wants one.
   void write_final(std::span<const exchange::BodyState> states, std::uint32_t threads);
   std::string json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
-                   double waited, const Status& outcome) const;
+                   const exchange::Link& link, const Status& outcome) const;
 
  private:
   void warn_of_thin_solids();

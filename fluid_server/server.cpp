@@ -10,6 +10,7 @@
 #include "common/exchange/hash.h"
 #include "common/geometry/bodies.h"
 #include "common/scene/reader.h"
+#include "fluid_server/monitor_frames.h"
 #include "fluid_server/probes/probes.h"
 #include "fluid_server/report.h"
 #include "fluid_server/step/wcsph.h"
@@ -33,6 +34,7 @@ class Server {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       states_.push_back(initial_state(scene_.models[b], bodies_[b], scene_.world.gravity));
     limits_ = step_limits(scene_, bodies_, *fluid_);
+    if (MonitorFrames::wanted(segment)) monitor_ = std::make_unique<MonitorFrames>(segment, scene_, *fluid_);
   }
 
   Status run() {
@@ -55,7 +57,7 @@ class Server {
     if (auto s = rows(true); !s && outcome) return s;
     if (outcome) report_.write_final(states_, segment_.threads());
     return link_.finish(outcome ? kFine : outcome.error().exit_code,
-                        report_.json(step_, time_, stopped_, states_, link_.seconds_waited(), outcome));
+                        report_.json(step_, time_, stopped_, states_, link_, outcome));
   }
 
  private:
@@ -80,6 +82,7 @@ class Server {
     }
     ++step_;
     time_ += step.dt;
+    last_limit_ = step.limit;
     if (!fluid_->facts().finite || fluid_->facts().max_speed > 20 * limits_.sound_speed) return diverged();
     report_.count(step.limit, *fluid_, states_, step.dt, time_);
     exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
@@ -120,6 +123,7 @@ class Server {
     last_row_ = number;
     last_row_time_ = time_;
     if (auto s = report_.write_frame(states_, time_); !s) return s;
+    if (monitor_) monitor_->offer(link_, step_, time_, last_limit_, report_.measured());
     const auto values = read_probes(scene_, *fluid_, states_);
     return values.empty() ? ok() : link_.frame(exchange::FrameKind::kProbes, step_, time_, values);
   }
@@ -146,6 +150,8 @@ class Server {
   Report report_;
   bool coupled_, stopped_ = false;
   StepLimits limits_;
+  Limit last_limit_ = Limit::kSound;
+  std::unique_ptr<MonitorFrames> monitor_;
   std::vector<exchange::BodyState> states_, states_before_;
   double engine_bound_ = 1e300;
   std::uint64_t step_ = 0;

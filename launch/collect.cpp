@@ -82,6 +82,10 @@ Status Collector::take(Role role, const Frame& frame) {
       if (std::ranges::find(warnings_, text) == warnings_.end()) warnings_.push_back(std::move(text));
       return ok();
     }
+    case FrameKind::kFluid:
+    case FrameKind::kContacts:
+    case FrameKind::kParticles:
+      return ok();  // for monitors only
   }
   return Error{fmt::format("the {} sent a frame of unknown kind {}", exchange::role_name(role),
                            static_cast<std::uint32_t>(frame.head.kind)),

@@ -73,6 +73,13 @@ int plan(const std::string& scene, const Overrides& overrides) {
   if (!p.scene.probes.empty()) fmt::print("  probes.csv: {} columns\n", 1 + output::probe_columns(p.scene).size());
   if (p.scene.output.vtk) fmt::print("  vtk/: ParaView files at every row\n");
   if (p.scene.output.picture) fmt::print("  picture.png: the last state\n");
+  if (p.scene.output.lcm) {
+    fmt::print("  over LCM: status, warnings{}{}{}{}\n", p.rigid ? ", bodies" : "", p.fluid ? ", fluid" : "",
+               p.fluid && p.rigid ? (coupling.contact_sets ? ", wrenches, contacts" : ", wrenches") : "",
+               p.fluid && p.scene.output.lcm_particles > 0
+                   ? fmt::format(", at most {} particles a frame", p.scene.output.lcm_particles)
+                   : "");
+  }
   fmt::print("\nleft out\n");
   for (const LeftOut& l : p.left_out) {
     fmt::print("  {}: {}; saves {}; difference: {}\n", l.what, l.why, l.saved, l.difference);

@@ -51,6 +51,20 @@ class StopSignals {
   }, old_term_{};
 };
 
+const char* state_name(PeerState state) {
+  switch (state) {
+    case PeerState::kAbsent:
+      return "absent";
+    case PeerState::kRunning:
+      return "running";
+    case PeerState::kFinished:
+      return "finished";
+    case PeerState::kDead:
+      return "dead";
+  }
+  return "unknown";
+}
+
 class Driver {
  public:
   Driver(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
@@ -61,6 +75,7 @@ class Driver {
         collector_(collector),
         options_(options),
         progress_(options.quiet),
+        obey_(options.stop_after),
         start_(Clock::now()) {
     if (prepared.fluid) roles_.push_back(Role::kFluid);
     if (prepared.rigid) roles_.push_back(Role::kRigid);
@@ -72,9 +87,11 @@ class Driver {
       control_.wait_for_news(kNap);
       children_.poll();
       if (!look()) break;
+      obey();
       grant();
       react_to_signals();
       show();
+      publish();
       bool fine = true;
       for (Role role : roles_) fine = alive_or_finished(role) && fine;  // each must get its say in the message
       if (!fine) break;
@@ -101,7 +118,10 @@ class Driver {
     for (Role role : roles_) {
       frames_.clear();
       Status drained = control_.drain(role, frames_);
-      for (std::size_t i = 0; drained && i < frames_.size(); ++i) drained = collector_.take(role, frames_[i]);
+      for (std::size_t i = 0; drained && i < frames_.size(); ++i) {
+        drained = collector_.take(role, frames_[i]);
+        if (options_.publisher) options_.publisher->take(role, std::move(frames_[i]));
+      }
       if (!drained) {
         fail(kProcessFailed, drained.error().text());
         return false;
@@ -111,8 +131,29 @@ class Driver {
     return true;
   }
 
+  /// Last step done by the process that begins them. Not what both have reported: the rigid process reports a step only
+  /// when the next order comes, and in a pause none does.
+  const exchange::StepReport& done() const { return collector_.totals(roles_.front()).last; }
+
+  void obey() {
+    if (options_.commands) {
+      for (const RunCommand& c : options_.commands->take()) {
+        obey_.take(c, done().step, done().time);
+      }
+    }
+    if (stopping_ || !obey_.stop_due(done().step)) return;
+    stopping_ = commanded_ = true;
+    control_.stop();
+  }
+
   void grant() {
     if (stopping_) return;
+    if (const auto limit = obey_.limit()) {
+      // Lower than what was granted: steps begun go on, no other begins.
+      const std::uint64_t credit = std::min(*limit, collector_.reported() + kRunAhead);
+      if (credit != granted_) control_.grant(granted_ = credit);
+      return;
+    }
     if (const auto credit = next_credit(granted_, collector_.reported(), kRunAhead)) {
       granted_ = *credit;
       control_.grant(granted_);
@@ -132,15 +173,46 @@ class Driver {
     if (signals_seen > 1 || elapsed() - stop_time_ > kGraceAfterStop) children_.end_all();
   }
 
+  /// Only the fluid chooses steps.
+  std::string limit_name(const exchange::StepReport& report) const {
+    if (roles_.front() != exchange::Role::kFluid || report.limit >= exchange::kStepLimits.size()) return "";
+    return exchange::kStepLimits[report.limit];
+  }
+
   void show() {
     const StepTotals& totals = collector_.totals(roles_.front());
     progress_.show({.time = totals.last.time,
                     .duration = prepared_.scene.world.duration,
                     .dt = totals.last.dt,
                     .wall = elapsed(),
+                    .limit = limit_name(totals.last),
                     .steps = totals.steps,
                     .particles = totals.last.particles,
                     .density_error = totals.last.error[0]});
+  }
+
+  void publish() {
+    if (options_.publisher && options_.publisher->status_due()) {
+      const bool begun = collector_.totals(roles_.front()).steps > 0;
+      options_.publisher->status(run_status(obey_.paused() ? "paused" : begun ? "running" : "starting"));
+    }
+  }
+
+  RunStatus run_status(const char* state) const {
+    const StepTotals& totals = collector_.totals(roles_.front());
+    RunStatus s;
+    s.state = state;
+    s.last = totals.last;
+    s.steps = totals.steps;
+    s.wall = elapsed();
+    for (Role role : roles_) {
+      const StepTotals& own = collector_.totals(role);
+      (role == Role::kFluid ? s.fluid : s.rigid) = {control_.pid(role), state_name(control_.state(role)), own.compute_s,
+                                                    own.wait_s};
+    }
+    s.warnings = collector_.warnings().size();
+    s.exit_code = outcome_.exit;
+    return s;
   }
 
   /// False if the process is gone without having finished, or never came.
@@ -178,6 +250,8 @@ class Driver {
     look();
     outcome_.total_s = elapsed();
     if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
+    if (commanded_) outcome_.stopped_after = done().step;
+    outcome_.commands = obey_.record();
     int worst = kFine;
     std::string messages;
     for (Role role : roles_) {
@@ -194,6 +268,8 @@ class Driver {
       }
     }
     if (worst != kFine && outcome_.exit == kFine) fail(worst, messages);
+    if (options_.publisher)
+      outcome_.lcm = options_.publisher->close(run_status(outcome_.exit == kFine ? "finished" : "failed"));
   }
 
   json parse(Role role) {
@@ -209,7 +285,9 @@ class Driver {
   Collector& collector_;
   DriveOptions options_;
   Progress progress_;
+  Obey obey_;
   StopSignals signals_;
+  bool commanded_ = false;  // stopping because of a command
   Clock::time_point start_;
   std::vector<Role> roles_;
   std::vector<exchange::Frame> frames_;

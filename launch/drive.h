@@ -7,7 +7,9 @@
 #include "common/result.h"
 #include "launch/children.h"
 #include "launch/collect.h"
+#include "launch/lcm_commands.h"
 #include "launch/prepare.h"
+#include "launch/publish.h"
 
 namespace ballast::launch {
 
@@ -15,14 +17,20 @@ namespace ballast::launch {
 struct Outcome {
   int exit = kFine;
   bool interrupted = false;
-  std::string message;  ///< empty if fine
-  double wall_s = 0;    ///< from the start of the processes to the last step report
-  double total_s = 0;   ///< ... to the end of both processes (pictures included)
+  nlohmann::json commands = nlohmann::json::array();  ///< those that came, with the step
+  std::optional<std::uint64_t> stopped_after;         ///< step after which a command ended the run
+  std::string message;                                ///< empty if fine
+  double wall_s = 0;                                  ///< from the start of the processes to the last step report
+  double total_s = 0;                                 ///< ... to the end of both processes (pictures included)
   nlohmann::json fluid = nlohmann::json::object(), rigid = nlohmann::json::object();  ///< final reports
+  nlohmann::json lcm;  ///< of the publisher, if there is one
 };
 
 struct DriveOptions {
   bool by_hand = false, quiet = false;
+  CommandListener* commands = nullptr;           ///< null: nobody may give any
+  std::optional<std::uint64_t> stop_after = {};  ///< replay of a run that was stopped: its last step
+  Publisher* publisher = nullptr;                ///< null: nobody wants messages
 };
 
 /// Drives a run whose processes have been started (or will be, by hand). Ctrl-C and SIGTERM stop it in good order.

@@ -26,6 +26,13 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
                    "one pass over the fluid", "capillary forces, which matter below about a centimetre in water"});
   }
   if (scene.probes.empty()) out.push_back({"probes.csv", "the scene has no probes", "one file and its sums", "none"});
+  if (!scene.output.lcm) {
+    out.push_back({"messages over LCM", "output.lcm is false (--lcm)",
+                   "one thread, a queue, and frames for monitors in the ring", "none: monitors only watch"});
+  } else if (fluid && scene.output.lcm_particles == 0) {
+    out.push_back({"messages of particles", "output.lcm_particles is 0", "a pass over the particles per output time",
+                   "none: monitors only watch"});
+  }
   if (!scene.output.vtk) out.push_back({"ParaView files", "output.vtk is false", "two files per output time", "none"});
   if (!scene.output.picture)
     out.push_back({"picture.png", "output.picture is false", "one rendering at the end", "none"});

@@ -16,6 +16,7 @@ std::string progress_text(const ProgressState& s) {
   if (s.wall > 0) text += fmt::format("  {:.3g} x real time", s.time / s.wall);
   if (done > 0.02 && done < 1) text += fmt::format("  {:.0f} s left", s.wall * (1 - done) / done);
   text += fmt::format("  step {:.3g} ms", 1e3 * s.dt);
+  if (!s.limit.empty()) text += fmt::format(" ({})", s.limit);
   if (s.particles > 0)
     text += fmt::format("  {} particles  density error {:.2g} %", s.particles, 100 * s.density_error);
   return text;

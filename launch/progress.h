@@ -9,6 +9,7 @@ namespace ballast::launch {
 /// What the progress line shows.
 struct ProgressState {
   double time = 0, duration = 0, dt = 0, wall = 0;  ///< s
+  std::string limit;                                ///< what limits dt; empty if nothing is known
   std::uint64_t steps = 0, particles = 0;
   double density_error = 0;  ///< relative, mean over the particles
 };

@@ -102,6 +102,12 @@ void add_lists(json& record, const Prepared& prepared, const Outcome& outcome, c
     record["left_out"].push_back({{"what", l.what}, {"why", l.why}, {"saved", l.saved}, {"difference", l.difference}});
   }
   record["warnings"] = collector.warnings();
+  if (const json failed = get(outcome.lcm, "failed"); failed.is_number() && failed > 0) {
+    record["warnings"].push_back(fmt::format(
+        "{} messages over LCM could not be sent to {}: is there a route to it? (ip link set lo multicast on; "
+        "ip route add 224.0.0.0/4 dev lo)",
+        failed.get<std::uint64_t>(), outcome.lcm["url"].get<std::string>()));
+  }
   for (const json* report : {&outcome.fluid, &outcome.rigid}) {
     for (const json& item : get(*report, "left_out").is_array() ? (*report)["left_out"] : json::array()) {
       record["left_out"].push_back(item);
@@ -220,6 +226,9 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   record["exchange_s"] =
       prepared.fluid && prepared.rigid ? json(std::max(0.0, totals.wait_s - rigid_totals.compute_s)) : json(0.0);
   record["step_limits"] = get(fluid, "step_limits");
+  if (!outcome.commands.empty()) record["commands"] = outcome.commands;
+  if (outcome.stopped_after) record["stopped_after_step"] = *outcome.stopped_after;
+  if (outcome.lcm.is_object()) record["lcm"] = outcome.lcm;
   add_lists(record, prepared, outcome, collector, verdicts);
   for (const auto& [side, report] : {std::pair{"fluid_process", &fluid}, std::pair{"rigid_process", &rigid}}) {
     for (const auto& [key, value] : report->items()) {

@@ -15,7 +15,9 @@
 #include "launch/drive.h"
 #include "launch/expect.h"
 #include "launch/prepare.h"
+#include "launch/publish.h"
 #include "launch/record.h"
+#include "msgs/url.h"
 
 namespace ballast::launch {
 
@@ -95,6 +97,43 @@ Status start_or_print(Children& children, const Prepared& prepared, const std::s
     }
   }
   std::fflush(stdout);
+  return ok();
+}
+
+/// What watches and steers a run; all empty where nobody asked.
+struct Lcm {
+  std::string url;
+  std::optional<std::uint64_t> stop_after;  ///< of a replay
+  std::unique_ptr<Publisher> publisher;
+  std::unique_ptr<CommandListener> commands;
+};
+
+/// Finds what is wrong with the wishes before anything starts.
+Result<Lcm> plan_lcm(const RunOptions& options, const Prepared& prepared) {
+  Lcm lcm;
+  if (!options.replay.empty()) {
+    auto step = stop_step_of(options.replay);
+    if (!step) return step.error();
+    lcm.stop_after = *step;
+  }
+  if (!prepared.scene.output.lcm) return lcm;
+  if (Status s = Publisher::available(); !s) return s.error();
+  auto url = msgs::url_to_open(options.lcm_url);
+  if (!url) return url.error();
+  lcm.url = *url;
+  return lcm;
+}
+
+/// After the children have started: they would inherit its sockets.
+Status open_lcm(Lcm& lcm, const RunOptions& options, const Prepared& prepared) {
+  if (lcm.url.empty()) return ok();
+  auto publisher = Publisher::make(prepared, lcm.url);
+  if (!publisher) return publisher.error();
+  lcm.publisher = std::move(*publisher);
+  if (!options.lcm_commands) return ok();
+  auto commands = CommandListener::make(lcm.url);
+  if (!commands) return commands.error();
+  lcm.commands = std::move(*commands);
   return ok();
 }
 
@@ -178,6 +217,8 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
 int run(const RunOptions& options) {
   auto prepared = prepare(options.scene, options.overrides);
   if (!prepared) return fail(prepared.error());
+  auto lcm = plan_lcm(options, *prepared);
+  if (!lcm) return fail(lcm.error());
   auto out_dir = make_out_dir(options.out, prepared->scene.name);
   if (!out_dir) return fail(out_dir.error());
   for (const std::string& name : Segment::remove_stale()) {
@@ -199,13 +240,16 @@ int run(const RunOptions& options) {
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;
   plan.rigid = prepared->rigid;
+  if (!lcm->url.empty()) plan.monitor = Publisher::frames_wanted(*prepared);
   const std::string name = Segment::make_name();
   auto segment = Segment::create(name, plan);
   if (!segment) return fail(segment.error());
 
   Children children;
   if (Status s = start_or_print(children, *prepared, name, options, *out_dir); !s) return fail(s.error());
-  Outcome outcome = drive(*segment, children, *prepared, *collector, {options.by_hand, options.quiet});
+  if (Status s = open_lcm(*lcm, options, *prepared); !s) return fail(s.error());
+  Outcome outcome = drive(*segment, children, *prepared, *collector,
+                          {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get()});
   return conclude(*prepared, outcome, *collector, options, *out_dir);
 }
 

@@ -10,7 +10,10 @@ namespace ballast::launch {
 struct RunOptions {
   std::string scene;
   Overrides overrides;
+  std::string lcm_url;                  ///< where messages go; empty: LCM_DEFAULT_URL, else this machine only
   std::string out;                      ///< folder for outputs; empty: out/<scene>
+  bool lcm_commands = false;            ///< obey commands over LCM
+  std::string replay;                   ///< record of a run that a command stopped; empty: none
   int threads = 0;                      ///< of the fluid process; 0: all cores
   bool by_hand = false;                 ///< print the commands of the two processes instead of starting them
   bool quiet = false;                   ///< no progress

@@ -59,7 +59,7 @@ install_packages() {
   done
   if [ $((${#required[@]} + ${#extra[@]})) -gt 0 ]; then
     if [ "$(id -u)" != 0 ] && ! command -v sudo >/dev/null; then
-      [ ${#required[@]} = 0 ] && { say "without these there will be no pictures: ${extra[*]}"; return; }
+      [ ${#required[@]} = 0 ] && { say "without these there will be no pictures or no live messages: ${extra[*]}"; return; }
       die "these Debian packages are missing, and there is neither root nor sudo to install them. As root:
   apt-get update && apt-get install --no-install-recommends ${required[*]} ${extra[*]}"
     fi
@@ -72,7 +72,7 @@ install_packages() {
       die "apt-get could not install what is needed: its output is above"
     fi
     if [ ${#extra[@]} -gt 0 ] && ! apt_install "$log" "${extra[@]}"; then
-      say "could not install ${extra[*]} (see $log): there will be no pictures"
+      say "could not install ${extra[*]} (see $log): there will be no pictures or no live messages"
     fi
   fi
   cp "$ballast_root/launch/packages.txt" "$stamp"
@@ -130,7 +130,7 @@ with_lock() {
 set_up_product() {
   install_packages build optional
   [ -f "$ballast_build/build.ninja" ] || configure "$ballast_build" -DCMAKE_BUILD_TYPE=Release -DBALLAST_TESTS=OFF
-  build "$ballast_build" ballast_coordinator fluid_server rigid_client
+  build "$ballast_build" ballast_product
 }
 
 # The product, its tests and its benchmarks.

@@ -29,7 +29,7 @@ bool finished(const PeerLine& line) {
   return line.state.load(std::memory_order_acquire) == static_cast<std::uint32_t>(Attendance::kFinished);
 }
 
-/// A frame's size must fit its kind. Probes and bodies are doubles, a step is one StepReport, a warning is text.
+/// A frame's size must fit its kind, as README.md says.
 bool good_size(const FrameHead& head) {
   switch (head.kind) {
     case FrameKind::kStep:
@@ -39,6 +39,13 @@ bool good_size(const FrameHead& head) {
       return head.bytes % 8 == 0;
     case FrameKind::kWarning:
       return true;
+    case FrameKind::kFluid:
+      return head.bytes == sizeof(FluidStatistics);
+    case FrameKind::kContacts:
+      return head.bytes % sizeof(Contact) == 0;
+    case FrameKind::kParticles:
+      return head.bytes >= sizeof(ParticleSetHead) &&
+             (head.bytes - sizeof(ParticleSetHead)) % sizeof(ParticleSample) == 0;
   }
   return false;
 }
@@ -56,6 +63,28 @@ StepReport Frame::step_report() const {
   StepReport report{};
   if (payload.size() == sizeof report) std::memcpy(&report, payload.data(), sizeof report);
   return report;
+}
+FluidStatistics Frame::fluid() const {
+  FluidStatistics out{};
+  if (payload.size() == sizeof out) std::memcpy(&out, payload.data(), sizeof out);
+  out.limit[sizeof out.limit - 1] = 0;  // the sender is not trusted to have ended its text
+  return out;
+}
+std::vector<Contact> Frame::contacts() const {
+  std::vector<Contact> out(payload.size() / sizeof(Contact));
+  if (!out.empty()) std::memcpy(out.data(), payload.data(), out.size() * sizeof(Contact));
+  return out;
+}
+ParticleSetHead Frame::particle_head() const {
+  ParticleSetHead out{};
+  if (payload.size() >= sizeof out) std::memcpy(&out, payload.data(), sizeof out);
+  return out;
+}
+std::vector<ParticleSample> Frame::particles() const {
+  constexpr std::size_t kHead = sizeof(ParticleSetHead);
+  std::vector<ParticleSample> out(payload.size() < kHead ? 0 : (payload.size() - kHead) / sizeof(ParticleSample));
+  if (!out.empty()) std::memcpy(out.data(), payload.data() + kHead, out.size() * sizeof(ParticleSample));
+  return out;
 }
 std::string Frame::text() const { return {reinterpret_cast<const char*>(payload.data()), payload.size()}; }
 
@@ -94,10 +123,9 @@ Status Control::drain(Role role, std::vector<Frame>& out) {
     if (left < sizeof frame.head) return bad({}, "bytes in the report ring", left, "whole frames");
     ring.get(0, &frame.head, sizeof frame.head);
     if (!good_size(frame.head)) {
-      return bad(frame.head, static_cast<std::uint32_t>(frame.head.kind) > 3 ? "kind of a report" : "bytes of a report",
-                 static_cast<std::uint32_t>(frame.head.kind) > 3 ? static_cast<std::uint32_t>(frame.head.kind)
-                                                                 : frame.head.bytes,
-                 "what README.md allows");
+      const auto kind = static_cast<std::uint32_t>(frame.head.kind);
+      return kind >= kFrameKinds ? bad(frame.head, "kind of a report", kind, "what README.md allows")
+                                 : bad(frame.head, "bytes of a report", frame.head.bytes, "what README.md allows");
     }
     const std::uint64_t size = sizeof frame.head + (std::uint64_t{frame.head.bytes} + 7) / 8 * 8;
     if (size > left) return bad(frame.head, "bytes of a report", frame.head.bytes, "no more than were written");

@@ -84,7 +84,8 @@ struct alignas(kLine) Header {
   std::uint32_t coordinator_pid, owner_uid;
   std::uint64_t coordinator_start, run_id;
   double peer_timeout;  ///< s
-  std::uint32_t fluid_takes_part, rigid_takes_part, threads, reserved;
+  std::uint32_t fluid_takes_part, rigid_takes_part, threads;
+  std::uint32_t monitor;  ///< monitor_bit() of each kind of frame that somebody wants
   alignas(kLine) Block parts[kParts];
   PeerLine peers[3];  ///< indexed by Role
   Mailbox order, answer;

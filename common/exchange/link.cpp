@@ -10,6 +10,9 @@
 namespace ballast::exchange {
 namespace {
 
+/// A frame's size in the ring: head, payload, zero bytes up to a multiple of 8.
+std::size_t frame_bytes(std::size_t payload) { return sizeof(FrameHead) + (payload + 7) / 8 * 8; }
+
 enum class Begin { kYes, kEnd, kNotYet };
 
 /// Both processes end after the same step: whoever begins a step first raises the gate to it, stop() closes the gate,
@@ -72,9 +75,7 @@ void Link::Waiting::tell_coordinator() {
 
 Status Link::Waiting::write_frame(const FrameHead& head, std::span<const std::byte> payload) {
   if (auto good = waiter.look_if_due(); !good) return good;
-  static constexpr std::byte kPadding[8] = {};
-  const std::size_t padding = (8 - payload.size() % 8) % 8;
-  const std::size_t size = sizeof head + payload.size() + padding;
+  const std::size_t size = frame_bytes(payload.size());
   if (size > reports.capacity()) {
     return Error{
         "a report of " + std::to_string(size) + " bytes does not fit the ring of " + std::to_string(reports.capacity()),
@@ -91,12 +92,18 @@ Status Link::Waiting::write_frame(const FrameHead& head, std::span<const std::by
     auto end = waiter.wait(reports.tail(), tail, Role::kCoordinator);
     if (!end) return end.error();
   }
+  put_frame(head, payload);
+  return ok();
+}
+
+void Link::Waiting::put_frame(const FrameHead& head, std::span<const std::byte> payload) {
+  static constexpr std::byte kPadding[8] = {};
+  const std::size_t size = frame_bytes(payload.size()), end = sizeof head + payload.size();
   reports.put(0, &head, sizeof head);
   reports.put(sizeof head, payload.data(), payload.size());
-  reports.put(static_cast<std::uint32_t>(sizeof head + payload.size()), kPadding, padding);
-  reports.publish(need);
+  reports.put(static_cast<std::uint32_t>(end), kPadding, size - end);
+  reports.publish(static_cast<std::uint32_t>(size));
   tell_coordinator();
-  return ok();
 }
 
 Link::Link(Segment& segment, Role self)
@@ -137,6 +144,17 @@ Status Link::warning(std::uint64_t step, double time, std::string_view text) {
   return waiting_->write_frame({FrameKind::kWarning, static_cast<std::uint32_t>(bytes.size()), step, time}, bytes);
 }
 
+void Link::offer(FrameKind kind, std::uint64_t step, double time, std::span<const std::byte> payload) {
+  Waiting& w = *waiting_;
+  // A corrupt tail gives a huge number here and so a drop; write_frame() is the one to complain.
+  const std::uint64_t used = w.reports.used_by_writer(w.reports.load_tail());
+  if (used + frame_bytes(payload.size()) > w.reports.capacity() / 2) {
+    ++w.dropped;
+    return;
+  }
+  w.put_frame({kind, static_cast<std::uint32_t>(payload.size()), step, time}, payload);
+}
+
 Status Link::finish(int exit_code, std::string_view json) {
   Waiting& w = *waiting_;
   const auto space = w.segment.records<std::byte>(self_ == Role::kFluid ? Part::kFluidFinal : Part::kRigidFinal);
@@ -168,5 +186,6 @@ double Link::seconds_waited() const { return waiting_->waiter.seconds(); }
 std::uint64_t Link::waits() const { return waiting_->waiter.waits(); }
 std::uint64_t Link::late_wakes() const { return waiting_->waiter.late_wakes(); }
 std::uint64_t Link::blocked_reports() const { return waiting_->blocked; }
+std::uint64_t Link::dropped_frames() const { return waiting_->dropped; }
 
 }  // namespace ballast::exchange

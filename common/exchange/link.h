@@ -23,6 +23,7 @@ struct SegmentPlan {
   std::string scene_text;               ///< resolved scene, for the fluid process
   std::string out_dir;                  ///< absolute, where processes put their files
   std::uint32_t threads = 0;            ///< of the fluid; 0: all cores
+  std::uint32_t monitor = 0;            ///< monitor_bit() of the frames that monitors want
   bool fluid = true, rigid = true;      ///< which processes take part
   std::size_t contact_bytes = 1 << 20;  ///< ring fluid -> rigid
   std::size_t report_bytes = 8 << 20;   ///< ring of each process -> coordinator
@@ -52,7 +53,8 @@ class Segment {
   std::string_view scene_text() const;
   std::string out_dir() const;
   std::uint32_t threads() const;
-  bool has(Role role) const;  ///< fluid, rigid: takes part in this run
+  bool has(Role role) const;         ///< fluid, rigid: takes part in this run
+  bool wants(FrameKind kind) const;  ///< somebody wants these frames for monitors
   std::size_t bytes() const;
 
   struct Impl;
@@ -74,6 +76,9 @@ class Link {
   Status report(const StepReport& report);
   Status frame(FrameKind kind, std::uint64_t step, double time, std::span<const double> values);
   Status warning(std::uint64_t step, double time, std::string_view text);
+  /// A frame for monitors. Never waits: while the ring is half full it is dropped and counted, so that monitors leave
+  /// reports and rows the other half.
+  void offer(FrameKind kind, std::uint64_t step, double time, std::span<const std::byte> payload);
   /// Hands over the final report (JSON text); with exit_code kFine, or the error's.
   Status finish(int exit_code, std::string_view json);
   /// A sign of life from within a long computation; every other call gives one too.
@@ -82,6 +87,7 @@ class Link {
   std::uint64_t waits() const;            ///< number of waits that had to sleep
   std::uint64_t late_wakes() const;       ///< waits that slept a whole slice though the news was there: lost wake-ups
   std::uint64_t blocked_reports() const;  ///< reports that had to wait for room in the ring
+  std::uint64_t dropped_frames() const;   ///< frames for monitors that found no room
 
  protected:
   Segment& segment_;
@@ -120,6 +126,10 @@ struct Frame {
   std::span<const double> values() const;  ///< kBodies, kProbes
   StepReport step_report() const;          ///< kStep
   std::string text() const;                ///< kWarning
+  FluidStatistics fluid() const;           ///< kFluid
+  std::vector<Contact> contacts() const;   ///< kContacts
+  ParticleSetHead particle_head() const;   ///< kParticles
+  std::vector<ParticleSample> particles() const;
 };
 enum class PeerState { kAbsent, kRunning, kFinished, kDead };
 class Control {

@@ -11,6 +11,8 @@ struct Link::Waiting {
 
   /// Copies a frame into the report ring, sleeping while it has no room.
   Status write_frame(const FrameHead& head, std::span<const std::byte> payload);
+  /// The copying of it, where there is room.
+  void put_frame(const FrameHead& head, std::span<const std::byte> payload);
   /// Posts what was written to this mailbox's payload, and wakes its reader.
   void post(Mailbox& mailbox, Role reader);
   /// Waits until the peer has posted message number received + 1.
@@ -22,7 +24,7 @@ struct Link::Waiting {
   Role self;
   Waiter waiter;
   Ring reports, contacts;
-  std::uint64_t blocked = 0;
+  std::uint64_t blocked = 0, dropped = 0;
   std::uint32_t posted = 0, received = 0;  ///< messages; the protocol is strictly alternating
   std::uint64_t step = 0;                  ///< of the last message sent or received
   std::uint32_t iteration = 0;

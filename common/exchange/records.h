@@ -2,13 +2,14 @@
 // kProtocolVersion. SI units, world frame, wrenches and twists about the centre of mass, unless a comment says
 // otherwise.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -134,11 +135,15 @@ struct Answer {
 };
 static_assert(sizeof(Answer) == 48);
 
+/// What may limit a step: StepReport::limit is an index.
+inline constexpr std::array<const char*, 9> kStepLimits{
+    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry", "flow speed", "gravity"};
+
 /// Step report to the coordinator, by each process, every step.
 struct StepReport {
   std::uint64_t step;
   std::uint32_t iteration;
-  std::uint32_t limit;             ///< index of what limits the step: fluid's list of names is in its final report
+  std::uint32_t limit;             ///< what limits the step: index into kStepLimits
   double time, dt;                 ///< s, at the end of the step
   double wall_compute, wall_wait;  ///< s, spent computing / waiting in this step
   std::uint64_t hash;              ///< of the bodies' state as this process knows it at the end of the step
@@ -147,8 +152,51 @@ struct StepReport {
 };
 static_assert(sizeof(StepReport) == 16 + 8 * 10);
 
-/// Frames in a report ring, each followed by `count` doubles.
-enum class FrameKind : std::uint32_t { kStep = 0, kBodies = 1, kProbes = 2, kWarning = 3 };
+/// For monitors: the fluid as a whole, fluid -> coordinator.
+struct FluidStatistics {
+  double mass;                                    ///< kg
+  double kinetic, potential, elastic;             ///< J
+  double momentum[3];                             ///< kg m/s
+  double error_mean, error_max;                   ///< relative density error
+  double max_speed, sound_speed;                  ///< m/s
+  double sort, pressure, boundary, motion, wait;  ///< s of wall time since the start, by stage
+  std::uint64_t particles, lost;
+  std::uint64_t dropped;  ///< frames for monitors that found no room in the ring so far
+  char limit[32];         ///< what StepReport::limit of the last step means, zero-terminated
+};
+static_assert(sizeof(FluidStatistics) == 8 * 19 + 32);
+
+/// For monitors: heads a frame of particles.
+struct ParticleSetHead {
+  std::uint64_t particles;  ///< in the fluid
+  std::uint32_t every;      ///< those follow whose id is a multiple of this
+  std::uint32_t count;      ///< how many follow
+};
+static_assert(sizeof(ParticleSetHead) == 16);
+
+/// For monitors: one particle.
+struct ParticleSample {
+  std::uint32_t id;   ///< the same through a run
+  float position[3];  ///< m, world
+  float velocity[3];  ///< m/s
+  float pressure;     ///< Pa
+};
+static_assert(sizeof(ParticleSample) == 32);
+
+/// Frames in a report ring. From kFluid on they are for monitors: written only if Header::monitor asks for them, and
+/// dropped where there is no room.
+enum class FrameKind : std::uint32_t {
+  kStep = 0,
+  kBodies = 1,
+  kProbes = 2,
+  kWarning = 3,
+  kFluid = 4,
+  kContacts = 5,
+  kParticles = 6
+};
+inline constexpr std::uint32_t kFrameKinds = 7;
+/// Bit of Header::monitor that asks for frames of a kind.
+constexpr std::uint32_t monitor_bit(FrameKind kind) { return 1u << static_cast<std::uint32_t>(kind); }
 struct FrameHead {
   FrameKind kind;
   std::uint32_t bytes;  ///< of payload that follows

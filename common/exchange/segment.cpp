@@ -100,7 +100,7 @@ void fill_header(Header& h, const SegmentPlan& plan, const Block (&parts)[kParts
   h.fluid_takes_part = plan.fluid;
   h.rigid_takes_part = plan.rigid;
   h.threads = plan.threads;
-  h.reserved = 0;
+  h.monitor = plan.monitor;
   std::copy(std::begin(parts), std::end(parts), h.parts);
   PeerLine& self = h.peers[static_cast<std::size_t>(Role::kCoordinator)];
   // relaxed: nobody reads any of this before it has seen `magic`, which is released last
@@ -301,6 +301,7 @@ std::string Segment::out_dir() const {
   return {text.data(), text.size()};
 }
 std::uint32_t Segment::threads() const { return impl_->header().threads; }
+bool Segment::wants(FrameKind kind) const { return (impl_->header().monitor & monitor_bit(kind)) != 0; }
 bool Segment::has(Role role) const { return impl_->takes_part(role); }
 std::size_t Segment::bytes() const { return impl_->region.get_size(); }
 

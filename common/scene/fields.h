@@ -261,6 +261,10 @@ void visit(V& v, Output& o) {
   v({"vtk", kNone, "ParaView files at every row"}, o.vtk);
   v({"picture", kNone, "picture.png of the last state"}, o.picture);
   v({"camera", kLength, "eye of the picture; all 0: chosen"}, o.camera);
+  v({"lcm", kNone, "live messages for monitors over LCM"}, o.lcm);
+  v.when(o.lcm, "runs that send messages (output.lcm)", [&](auto& w) {
+    w({"lcm_particles", kNone, "in a message frame at most; 0: none", {0, 100000}}, o.lcm_particles);
+  });
 }
 
 /// What the values of a column of bodies.csv or probes.csv are; the part behind the last dot says it.

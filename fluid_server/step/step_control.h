@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "common/exchange/records.h"
 #include "common/scene/scene.h"
 
 namespace ballast::fluid {
@@ -27,8 +28,8 @@ enum class Limit : std::uint32_t {
   kGravity,
   kCount
 };
-inline constexpr std::array<const char*, static_cast<std::size_t>(Limit::kCount)> kLimitNames{
-    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry", "flow speed", "gravity"};
+inline constexpr auto& kLimitNames = exchange::kStepLimits;
+static_assert(kLimitNames.size() == static_cast<std::size_t>(Limit::kCount));
 
 struct StepLimits {
   bool implicit = false;           ///< the two below rule instead of sound and acceleration

@@ -49,10 +49,12 @@ struct Cli : testing::Test {
   std::string scene() const { return (folder / "fall.yaml").string(); }
   std::string out() const { return (folder / "out").string(); }
 
-  Ended call(std::vector<std::string> arguments) const {
+  Ended call(std::vector<std::string> arguments,
+             std::vector<std::pair<std::string, std::string>> environment = {}) const {
     Children children;
     const std::string log = (folder / "log").string();
-    const Status started = children.start(exchange::Role::kFluid, {program, std::move(arguments), {}, log});
+    const Status started =
+        children.start(exchange::Role::kFluid, {program, std::move(arguments), std::move(environment), log});
     EXPECT_TRUE(started);
     EXPECT_TRUE(children.wait(60));
     std::ifstream file(log);
@@ -82,7 +84,7 @@ TEST_F(Cli, WrongUsageIsCode2WithAMessage) {
 TEST_F(Cli, HelpIsCode0AndNamesTheCommands) {
   const Ended ended = call({"--help"});
   EXPECT_EQ(ended.code, 0);
-  for (const char* word : {"run", "check", "resolve", "schema", "plan", "bench"}) {
+  for (const char* word : {"run", "check", "resolve", "schema", "plan", "watch", "tap", "spy", "bench"}) {
     EXPECT_NE(ended.text.find(word), std::string::npos) << word;
   }
 }
@@ -162,6 +164,21 @@ TEST_F(Cli, ResolvePrintsASceneThatResolvesToItself) {
   ASSERT_EQ(once.code, 0) << once.text;
   std::ofstream(folder / "fall.yaml") << once.text;
   EXPECT_EQ(call({"resolve", scene()}).text, once.text);
+}
+
+TEST_F(Cli, TheSpySaysWhatItNeeds) {
+  const Ended without_java = call({"spy"}, {{"PATH", "/nowhere"}});
+  EXPECT_EQ(without_java.code, 2);
+  EXPECT_NE(without_java.text.find("apt-get install default-jre"), std::string::npos) << without_java.text;
+  const Ended no_url = call({"spy", "--lcm-url", "multicast"});
+  EXPECT_EQ(no_url.code, 2);
+  EXPECT_NE(no_url.text.find("'multicast' is no LCM URL"), std::string::npos) << no_url.text;
+}
+
+TEST_F(Cli, PlanSaysThatMessagesGoOutOnlyWhereAsked) {
+  EXPECT_NE(call({"plan", scene()}).text.find("messages over LCM: output.lcm is false"), std::string::npos);
+  const std::string asked = call({"plan", scene(), "--set", "output.lcm=true"}).text;
+  EXPECT_NE(asked.find("over LCM: status, warnings, bodies\n"), std::string::npos) << asked;
 }
 
 TEST_F(Cli, PlanSaysWhatIsLeftOutAndWhy) {

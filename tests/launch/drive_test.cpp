@@ -94,7 +94,7 @@ struct Drive : testing::Test {
     pids.push_back(pid);
   }
 
-  Outcome run(const Script& fluid, const Script& rigid) {
+  Outcome run(const Script& fluid, const Script& rigid, std::optional<std::uint64_t> stop_after = {}) {
     const Prepared prepared = make_prepared(true, true);
     const std::string name = Segment::make_name();
     Outcome outcome;
@@ -111,7 +111,7 @@ struct Drive : testing::Test {
       EXPECT_TRUE(collector);
       Children none;
       const auto start = Clock::now();
-      outcome = drive(*segment, none, prepared, *collector, {.by_hand = true, .quiet = true});
+      outcome = drive(*segment, none, prepared, *collector, {.by_hand = true, .quiet = true, .stop_after = stop_after});
       seconds = std::chrono::duration<double>(Clock::now() - start).count();
       EXPECT_TRUE(collector->close());
       bodies = collector->bodies();
@@ -151,6 +151,14 @@ TEST_F(Drive, PassesOnTheCodeAndTheWordsOfAProcessThatFails) {
   const Outcome outcome = run({.fail_at = 10}, {});
   EXPECT_EQ(outcome.exit, kDiverged);
   EXPECT_NE(outcome.message.find("the density left its bounds"), std::string::npos) << outcome.message;
+}
+
+TEST_F(Drive, EndsAReplayAfterTheStepOfTheRecord) {
+  const Outcome outcome = run({.steps = 100000}, {.steps = 100000}, 20);
+  EXPECT_EQ(outcome.exit, kFine) << outcome.message;
+  EXPECT_FALSE(outcome.interrupted);
+  EXPECT_EQ(outcome.stopped_after, 20u);
+  EXPECT_EQ(steps, 20u);
 }
 
 TEST_F(Drive, StopsInGoodOrderOnSigterm) {

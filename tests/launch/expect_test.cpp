@@ -202,7 +202,7 @@ TEST_F(Fixture, TotalMomentumAddsFluidAndBodies) {
   EXPECT_TRUE(judged(e).pass);
   body_rows.values[last + 7] += 0.5;  // ball_a.vx
   EXPECT_FALSE(judged(e).pass);
-  fluid["ledger"]["momentum_end"][0] = 3 - 0.5 * bodies[0].mass;
+  fluid["ledger"]["momentum_end"][0] = 3 - 0.5 * bodies[1].mass;
   EXPECT_TRUE(judged(e).pass);
 }
 

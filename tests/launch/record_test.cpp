@@ -91,6 +91,21 @@ TEST_F(Record, InventsNoNumbers) {
   EXPECT_TRUE(record["real_time_factor"].is_null());
 }
 
+TEST_F(Record, SaysHowManyMessagesWereSentOnlyIfAnyWereAskedFor) {
+  EXPECT_FALSE(make_record(*prepared, outcome, *collector, {}, 2).contains("lcm"));
+  outcome.lcm = {{"url", "udpm://"}, {"sent", 5}, {"dropped", 2}, {"failed", 0}};
+  const json record = make_record(*prepared, outcome, *collector, {}, 2);
+  EXPECT_EQ(record["lcm"], outcome.lcm);
+  EXPECT_EQ(record["warnings"], json({"slow"}));
+}
+
+TEST_F(Record, WarnsOfMessagesThatCouldNotBeSent) {
+  outcome.lcm = {{"url", "udpm://x"}, {"sent", 5}, {"dropped", 0}, {"failed", 3}};
+  const json record = make_record(*prepared, outcome, *collector, {}, 2);
+  EXPECT_NE(record["warnings"].dump().find("3 messages over LCM could not be sent to udpm://x"), std::string::npos)
+      << record["warnings"];
+}
+
 TEST_F(Record, HashDependsOnBothProcesses) {
   outcome.fluid = {{"state_hash", "01"}};
   const json both = make_record(*prepared, outcome, *collector, {}, 2)["state_hash"];

@@ -33,7 +33,7 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 1, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 2, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
         self.parts = [self.get("QQ", 128 + 16 * i) for i in range(15)]

@@ -37,6 +37,9 @@ const std::map<std::string, std::size_t> kSizes = {{"Header", sizeof(Header)},
                                                    {"Order", sizeof(Order)},
                                                    {"Answer", sizeof(Answer)},
                                                    {"StepReport", sizeof(StepReport)},
+                                                   {"FluidStatistics", sizeof(FluidStatistics)},
+                                                   {"ParticleSetHead", sizeof(ParticleSetHead)},
+                                                   {"ParticleSample", sizeof(ParticleSample)},
                                                    {"FrameHead", sizeof(FrameHead)}};
 
 TEST(layout, has_no_field_that_the_table_forgets) {

@@ -1,0 +1,44 @@
+// What commands make of a run: how far it may go. Pure bookkeeping on step numbers; drive asks, the credit follows.
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/result.h"
+
+namespace ballast::launch {
+
+/// As command_t.
+struct RunCommand {
+  std::string action;
+  std::int64_t steps = 0;
+};
+
+class Obey {
+ public:
+  /// A run that is replayed ends after the step after which the first one was stopped.
+  explicit Obey(std::optional<std::uint64_t> stop_after = {}) : stop_after_(stop_after) {}
+
+  /// Takes a command when `done` steps are done; each is recorded, one that makes no sense with the reason.
+  void take(const RunCommand& command, std::uint64_t done, double time);
+  /// No step beyond this one may begin; nothing: no such bound.
+  std::optional<std::uint64_t> limit() const;
+  bool paused() const { return paused_; }
+  /// The run is to end now.
+  bool stop_due(std::uint64_t done) const { return stop_ || (stop_after_ && done >= *stop_after_); }
+  /// [{action, step, time_s, ...}], in order.
+  const nlohmann::json& record() const { return record_; }
+
+ private:
+  std::string obey(const RunCommand& command, std::uint64_t done);
+  std::optional<std::uint64_t> stop_after_;
+  bool paused_ = false, stop_ = false;
+  std::uint64_t paused_at_ = 0;
+  nlohmann::json record_ = nlohmann::json::array();
+};
+
+/// The step after which a recorded run was stopped by a command.
+Result<std::uint64_t> stop_step_of(const std::string& record_file);
+
+}  // namespace ballast::launch

@@ -1,0 +1,90 @@
+// Debian's lcm-spy script cannot start: it gives Java an option that Java 9 removed. So its class is started here, with
+// the jars that it needs and the types in the environment's CLASSPATH, where it looks for them.
+#include "launch/spy.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "common/result.h"
+#include "launch/children.h"
+#include "msgs/url.h"
+
+namespace ballast::launch {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+int fail(const std::string& what, const std::string& cure, int code = kBadInput) {
+  fmt::print(stderr, "ballast: {}\n  {}\n", what, cure);
+  return code;
+}
+
+std::string find_jar(const std::string& name) {
+  for (const char* folder : {"/usr/share/java/", "/usr/local/share/java/"}) {
+    if (fs::exists(folder + name)) return folder + name;
+  }
+  return "";
+}
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string folders = path ? path : "";
+  for (std::size_t at = 0; at <= folders.size();) {
+    const std::size_t end = std::min(folders.find(':', at), folders.size());
+    if (access((folders.substr(at, end - at) + "/" + program).c_str(), X_OK) == 0) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+int become(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(argv[0], argv.data());
+  return fail(fmt::format("cannot start {}: {}", words[0], std::strerror(errno)), "build all of Ballast",
+              kProcessFailed);
+}
+
+}  // namespace
+
+int spy(const std::string& lcm_url) {
+  const auto url = msgs::url_to_open(lcm_url);
+  if (!url) return fail(url.error().text(), "see ballast spy --help");
+  const std::string types = program_folder() + "/ballast_types.jar", lcm = find_jar("lcm.jar"),
+                    charts = find_jar("jchart2d.jar");
+  if (!on_path("java")) return fail("lcm-spy needs Java, and there is no program java", "apt-get install default-jre");
+  if (lcm.empty()) return fail("lcm-spy is not installed: no lcm.jar", "apt-get install liblcm-java");
+  if (charts.empty()) {
+    return fail("lcm-spy cannot show fields: no jchart2d.jar", "apt-get install libjchart2d-java");
+  }
+  if (!fs::exists(types)) {
+    return fail(
+        "the types for lcm-spy were not built: no " + types,
+        "apt-get install default-jdk liblcm-dev liblcm-bin liblcm-java, then `touch CMakeLists.txt` and start again");
+  }
+  if (const char* display = std::getenv("DISPLAY"); display == nullptr || *display == 0)
+    return fail("lcm-spy is a window, and there is no DISPLAY", "use ballast watch instead");
+  setenv("CLASSPATH", types.c_str(), 1);
+  setenv("LCM_DEFAULT_URL", url->c_str(), 1);
+  return become({"java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp", lcm + ":" + charts, "lcm.spy.Spy"});
+}
+
+int become_monitor(std::vector<std::string> arguments) {
+  const std::string program = program_folder() + "/ballast_monitor";
+  if (!fs::exists(program)) {
+    return fail("this build of Ballast has no monitors, for LCM was missing: no " + program,
+                "apt-get install liblcm-dev liblcm-bin, then `touch CMakeLists.txt` and start again");
+  }
+  arguments.insert(arguments.begin(), program);
+  return become(std::move(arguments));
+}
+
+}  // namespace ballast::launch
