@@ -63,6 +63,11 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
   start_ = last_ = fluid.measure();
   if (scene.output.vtk) vtk_ = std::make_unique<output::VtkSeries>(out_dir_ + "/vtk");
   warn_of_thin_solids();
+  if (fluid.implicit())
+    warn(
+        "numerics.pressure: implicit is for calm flows yet: where water runs down a wall fast, single particles slip "
+        "up "
+        "to a spacing into it (fluid_server/pressure/README.md); wcsph is the default");
   const RelaxReport& relaxed = fluid.relax_report();
   if (relaxed.moves && relaxed.last_move > 5e-3)
     warn(fmt::format("the start was not fully relaxed: after {} rounds particles still move by {:.2g} spacings a round",

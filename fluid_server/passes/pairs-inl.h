@@ -300,7 +300,7 @@ class Pairs {
     const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
     const float alpha_c = own.volume > 0 ? constants_.artificial_viscosity * constants_.sound_speed : 0.f;
     const VF linear = hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), hn::Set(d, alpha_c));
-    return hn::Mul(hn::Mul(rho, u), constants_.ram ? hn::Add(linear, u) : linear);
+    return hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
   }
 
   float density(std::uint32_t item) const {

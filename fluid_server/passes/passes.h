@@ -17,7 +17,6 @@ struct PassConstants {
   float artificial_viscosity = 0;  ///< alpha of Monaghan (1992), no unit
   float gravity[3] = {0, 0, 0};    ///< m/s^2
   float dt = 0;                    ///< s
-  bool ram = true;                 ///< ram pressure of approaching pairs: what keeps an explicit step from overlaps
   bool viscous = false;            ///< some fluid has viscosity: `wall` is filled
   bool several_densities = false;  ///< `density` is filled per item; else density[0] holds for all
   int threads = 1;

@@ -14,7 +14,7 @@ constexpr float kDensitySource = 0.2f;          // beta: share of the compressio
 constexpr float kLargestSource = 0.1f;          // of a step: overlaps are let out slowly
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // of the dimension: fullness of the inside, and of what is spray
-constexpr float kWorst = 1e-3f;                 // density error that a step may leave in any particle
+constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
 constexpr std::size_t kHistory = 5;
 
 }  // namespace
@@ -199,6 +199,7 @@ bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gra
     for (std::size_t f = begin; f < end; ++f) sum += std::abs(gradient[f]), all += particles_->record[f].volume;
     return std::array<double, 2>{sum, all};
   });
+  volume_ = volume;
   report_.residual = volume > 0 ? error / volume : 0;
   const bool density = report_.residual <= options_.tolerance && worst <= kWorst;
   if (bodies_.empty()) return density;

@@ -50,6 +50,7 @@ class ImplicitPressure : private QuadraticProgram {
   void multiply(std::span<const float> x, std::vector<float>& out) override;
   void precondition(std::span<const float> r, std::vector<float>& out) override;
   bool good(std::span<const float> x, std::span<const float> gradient) override;
+  bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
 
   void correct_compression(Particles& particles);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
@@ -73,7 +74,8 @@ class ImplicitPressure : private QuadraticProgram {
   std::vector<Flow> flow_;
   std::vector<Vector6> reduced_, foreseen_, start_;
   std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
-  double fluid_norm_ = 0;
+  static constexpr double kNegligible = 0.1;  // of the error that a step may leave
+  double fluid_norm_ = 0, volume_ = 0;
   ImplicitReport report_;
 };
 

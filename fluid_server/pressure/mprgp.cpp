@@ -40,8 +40,11 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   for (;;) {
     split();
     if (program.good(x, projected_)) {
-      report_.converged = true;
-      break;
+      report_.converged = !stale_;
+      if (!stale_) break;
+      new_gradient();
+      fresh_ = true;
+      continue;
     }
     if (report_.products >= most_products) break;
     // Clamped entries that want to grow against what the free ones can still gain within their bounds, both in the
@@ -109,10 +112,24 @@ bool Mprgp::step() {
 #pragma omp parallel for num_threads(threads_) schedule(static) reduction(min : feasible) if (x.size() > kSerial)
   for (std::size_t i = 0; i < x.size(); ++i)
     if (direction_[i] > 0 && bounded_[i]) feasible = std::min(feasible, static_cast<double>(x[i]) / direction_[i]);
-  if (alpha <= feasible)
+  if (alpha <= feasible) {
     subtract(alpha);
-  else
+    return true;
+  }
+  const float a = static_cast<float>(alpha);
+  const auto [cut] = sum_blocks<1>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      if (bounded_[i]) sum += diagonal_[i] * std::max(a * direction_[i] - x[i], 0.f);
+    return std::array<double, 1>{sum};
+  });
+  if (program_->negligible(cut)) {
+    ++report_.expansions;
+    subtract(alpha);
+    fresh_ = stale_ = true;
+  } else {
     expand(alpha, feasible);
+  }
   return true;
 }
 
@@ -148,6 +165,7 @@ void Mprgp::expand(double alpha, double feasible) {
     return std::array<double, 1>{sum};
   });
   if (change < 0) {
+    stale_ = false;
     std::swap(x, trial_);
     std::swap(gradient_, trial_gradient_);
     return;
@@ -175,6 +193,7 @@ void Mprgp::proportion() {
 }
 
 void Mprgp::new_gradient() {
+  stale_ = false;
   product(*x_, gradient_);
   for_blocks(gradient_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) gradient_[i] -= b_[i];

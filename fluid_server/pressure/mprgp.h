@@ -18,8 +18,11 @@ class QuadraticProgram {
   virtual void multiply(std::span<const float> x, std::vector<float>& out) = 0;
   /// out = (approximate inverse of A) r, symmetric positive definite.
   virtual void precondition(std::span<const float> r, std::vector<float>& out) = 0;
-  /// True if x is good enough. `gradient` is that of the free entries, and the negative part of that of the clamped
-  /// ones: zero at the solution.
+  /// True if x is good enough (asked again with an exact gradient before the end). `gradient` is that of the free
+  /// entries, and the negative part of that of the clamped ones: zero at the solution. True if an error of this size,
+  /// the sum of |A_ii| times how far entries were cut off at their bounds, does not matter beside what good() asks for:
+  /// the gradient is then not computed anew.
+  virtual bool negligible(double cut) const = 0;
   virtual bool good(std::span<const float> x, std::span<const float> gradient) = 0;
 };
 
@@ -60,7 +63,8 @@ class Mprgp {
   std::vector<float>* x_ = nullptr;
   double norm_ = 0;
   int threads_ = 1;
-  bool fresh_ = true;  // the direction is to start anew
+  bool fresh_ = true;   // the direction is to start anew
+  bool stale_ = false;  // the gradient misses what negligible cuts changed
   MprgpReport report_;
   std::vector<float> gradient_, projected_, direction_, product_, preconditioned_, trial_, trial_gradient_;
 };

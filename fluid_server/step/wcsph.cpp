@@ -159,10 +159,10 @@ Measures WcsphFluid::measure() const {
       m.mass += mass;
       m.kinetic += 0.5 * mass * v.squaredNorm();
       m.potential -= mass * gravity.dot(x);
-      m.elastic += 0.5 * r.volume * static_cast<double>(r.p) * r.p / stiffness;
+      if (!implicit_) m.elastic += 0.5 * r.volume * static_cast<double>(r.p) * r.p / stiffness;
       m.momentum += mass * v;
       m.angular_momentum += mass * x.cross(v);
-      const double e = std::abs(r.p) / stiffness;
+      const double e = implicit_ ? std::max(particles_.compression[f], 0.f) : std::abs(r.p) / stiffness;
       m.compression_mean += e;
       m.compression_max = std::max(m.compression_max, e);
     }

@@ -36,7 +36,7 @@ struct Measures {
   Vec3 momentum = Vec3::Zero();                      ///< kg m/s
   Vec3 angular_momentum = Vec3::Zero();              ///< about the origin, kg m^2/s
   double mass = 0;                                   ///< kg
-  double compression_mean = 0, compression_max = 0;  ///< |p| / (rho c^2)
+  double compression_mean = 0, compression_max = 0;  ///< |p| / (rho c^2); implicit: what is left
 };
 
 class WcsphFluid {

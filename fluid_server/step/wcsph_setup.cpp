@@ -148,10 +148,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
-    self.constants_.ram = false;
     const Accuracy accuracy = scene.world.accuracy;
     const double share = accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
-    self.implicit_options_.tolerance = 1e-3 * share * share;
+    self.implicit_options_.tolerance = (accuracy == Accuracy::kInteractive ? 5e-3 : 1e-3) * share * share;
     self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-2 : 1e-3;
   }
   for (const Record& r : self.particles_.record)

@@ -24,6 +24,7 @@ class Dense : public QuadraticProgram {
     for (std::size_t i = 0; i < r.size(); ++i)
       out[i] = r[i] / static_cast<float>(a_(static_cast<int>(i), static_cast<int>(i)));
   }
+  bool negligible(double) const override { return false; }
   bool good(std::span<const float>, std::span<const float> gradient) override {
     return vector(gradient).norm() < tolerance_;
   }
