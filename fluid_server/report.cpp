@@ -167,6 +167,12 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   const Measures end = fluid_.measure();
   json j;
   const std::size_t misplaced = count_misplaced(scene_, bodies_, fluid_, states);
+  std::vector<std::string> warnings = warnings_;
+  if (misplaced + fluid_.lost() > 0)
+    warnings.push_back(fmt::format(
+        "{} particles ended outside every container or inside a solid, {} left the domain; see that fluids start "
+        "inside, that containers are closed where water splashes, and try a smaller world.spacing",
+        misplaced, fluid_.lost()));
   j["particles"] = {{"fluid", fluid_.particles().size()},
                     {"boundary", fluid_.samples().size()},
                     {"lost", fluid_.lost() + misplaced},
@@ -236,7 +242,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   j["threads"] = fluid_.constants().threads;
   j["rss_bytes"] = resident_bytes();
   j["state_hash"] = fmt::format("{:016x}", fluid_.hash());
-  j["warnings"] = warnings_;
+  j["warnings"] = warnings;
   if (link.dropped_frames() > 0) j["monitor_frames_dropped"] = link.dropped_frames();
   if (!outcome) j["failure"] = outcome.error().text();
   return j.dump();

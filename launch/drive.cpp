@@ -94,6 +94,7 @@ class Driver {
       publish();
       bool fine = true;
       for (Role role : roles_) fine = alive_or_finished(role) && fine;  // each must get its say in the message
+      fine = fine && outcome_.exit == kFine;
       if (!fine) break;
     }
     finish();
@@ -171,6 +172,10 @@ class Driver {
       control_.stop();
     }
     if (signals_seen > 1 || elapsed() - stop_time_ > kGraceAfterStop) children_.end_all();
+    // By hand there may be nobody yet to stop.
+    for (Role role : roles_)
+      if (options_.by_hand && control_.state(role) == PeerState::kAbsent)
+        fail(kProcessFailed, fmt::format("interrupted before the {} had attached", exchange::role_name(role)));
   }
 
   /// Only the fluid chooses steps.

@@ -1,6 +1,8 @@
 // What a scene needs: processes, outputs, particles; and what is left out, with the reason.
 #include "launch/prepare.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -127,6 +129,10 @@ Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrid
     return Error{"there is nothing to simulate: no fluid and no model that moves",
                  "add a fluid or a model that is not static", scene_file};
   }
+  if (const double particles = estimate_particles(out); particles > 2e9)
+    return Error{fmt::format("the fluid would have about {:.2g} particles; 2e9 is the most", particles),
+                 fmt::format("make world.spacing ({:.3g} m) larger or the fills smaller", out.scene.world.spacing),
+                 scene_file};
   out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
   return out;
 }

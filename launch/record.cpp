@@ -188,7 +188,6 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   const Scene& scene = prepared.scene;
   const json &fluid = outcome.fluid, &rigid = outcome.rigid;
   const StepTotals& totals = collector.totals(prepared.fluid ? Role::kFluid : Role::kRigid);
-  const StepTotals& rigid_totals = collector.totals(Role::kRigid);
   json record;
   record["scene"] = scene.name;
   record["scene_hash"] = fmt::format("{:016x}", scene_hash(scene));
@@ -222,9 +221,8 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   record["error"] = merged_error(fluid, totals, prepared.fluid);
   record["ledger"] = merged_ledger(fluid, rigid);
   record["stages"] = merged_stages(fluid, rigid);
-  // What the exchange costs: the fluid waits while the engine computes; the rest of its waiting is the exchange's own.
-  record["exchange_s"] =
-      prepared.fluid && prepared.rigid ? json(std::max(0.0, totals.wait_s - rigid_totals.compute_s)) : json(0.0);
+  // What exchange and engine cost the fluid, which works on while the engine does: all its waiting.
+  record["exchange_s"] = prepared.fluid && prepared.rigid ? json(totals.wait_s) : json(0.0);
   record["step_limits"] = get(fluid, "step_limits");
   if (!outcome.commands.empty()) record["commands"] = outcome.commands;
   if (outcome.stopped_after) record["stopped_after_step"] = *outcome.stopped_after;

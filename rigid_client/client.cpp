@@ -40,12 +40,14 @@ class Client {
     look();
     timing_.start_s = watch.seconds();
     if (auto begun = report_.begin(link_, states_); !begun) return begun;
+    if (const std::string lacks = engine_->lacks(); !lacks.empty() && manifest_.shapes.size() > 1)
+      report_.warn(link_, lacks);
     return coupled ? follow() : run_alone();
   }
 
   Status finish(const Status& outcome) {
     Status sent = outcome ? flush() : ok();
-    if (sent) sent = report_.last(link_);
+    if (outcome && sent) sent = report_.last(link_);
     const Status& end = outcome ? sent : outcome;
     timing_.waiting_s = link_.seconds_waited();
     timing_.wall_s = wall_.seconds();

@@ -1,4 +1,4 @@
-// What a rigid-body engine must do: eight functions on spans of plain records. Swap engines by writing these.
+// What a rigid-body engine must do: a few functions on spans of plain records. Swap engines by writing these.
 #pragma once
 #include <memory>
 #include <span>
@@ -28,6 +28,8 @@ class Engine {
   /// Everything that the next step depends on, warm start and random state included, as bytes.
   virtual void save(std::vector<std::byte>& out) const = 0;
   virtual Status restore(std::span<const std::byte> in) = 0;
+  /// What the engine leaves out although a scene may count on it, as a warning for the record; empty: nothing.
+  virtual std::string lacks() const { return ""; }
   /// One line for the run record: engine, version, precision, stepper.
   virtual std::string describe() const = 0;
 };

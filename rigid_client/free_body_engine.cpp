@@ -37,6 +37,11 @@ class FreeBodyEngine : public Engine {
   }
   void save(std::vector<std::byte>& out) const override { bodies_.save(out); }
   Status restore(std::span<const std::byte> in) override { return bodies_.restore(in); }
+  std::string lacks() const override {
+    return "engine free_body knows no contacts: bodies pass through each other and through walls; use coupling.engine: "
+           "ode "
+           "where they touch";
+  }
   std::string describe() const override {
     return "free_body, double precision, free flight only: no contacts, no joints";
   }

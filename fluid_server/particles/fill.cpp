@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <unordered_map>
 
 namespace ballast::fluid {
 
@@ -234,6 +235,62 @@ Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, dou
           static_cast<float>(volume)};
 }
 
+/// Where the particles are, in cells of a spacing.
+class Grid {
+ public:
+  Grid(const Particles& particles, const Coordinates& coordinates, double cell)
+      : coordinates_(coordinates), cell_(cell) {
+    for (std::uint32_t f = 0; f < particles.size(); ++f) {
+      const Record& r = particles.record[f];
+      at_[key(coordinates.to_metres(r.x, r.y, r.z), 0, 0, 0)].push_back({r.x, r.y, r.z});
+    }
+  }
+  /// Number of particles within `reach` <= cell of p.
+  int near(const Vec3& p, double reach) const {
+    int count = 0;
+    const Fixed3 own = coordinates_.to_fixed(p);
+    for (int k = 0; k < 27; ++k) {
+      const auto found = at_.find(key(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+      if (found == at_.end()) continue;
+      for (const Fixed3& other : found->second) count += coordinates_.difference(own, other).norm() < reach;
+    }
+    return count;
+  }
+
+ private:
+  std::int64_t key(const Vec3& p, int dx, int dy, int dz) const {
+    const auto along = [&](int axis, int d) {
+      return static_cast<std::int64_t>(std::floor((p[axis] - coordinates_.domain.min[axis]) / cell_)) + d + 1;
+    };
+    return (along(2, dz) * 2097152 + along(1, dy)) * 2097152 + along(0, dx);
+  }
+  const Coordinates& coordinates_;
+  double cell_;
+  std::unordered_map<std::int64_t, std::vector<Fixed3>> at_;
+};
+
+/// Fluids that touch hold each other: no ghost may stand where the other one's particles are. Fluids that overlap are
+/// refused.
+Status settle_neighbours(const Scene& scene, const Coordinates& coordinates, Filled& filled) {
+  const double d = scene.world.spacing;
+  const Grid grid(filled.particles, coordinates, d);
+  for (std::size_t k = 1; k < filled.fluids.size(); ++k) {
+    const FluidProperties& fluid = filled.fluids[k];
+    for (std::uint32_t f = fluid.first_id; f < fluid.first_id + fluid.count; ++f) {
+      const Record& r = filled.particles.record[f];
+      const Vec3 p = coordinates.to_metres(r.x, r.y, r.z);
+      if (grid.near(p, 0.4 * d) > 1)
+        return fill_error(scene.fluids[k],
+                          fmt::format("the fill of '{}' overlaps that of another fluid at ({:.3g}, {:.3g}, {:.3g}) m",
+                                      scene.fluids[k].name, p[0], p[1], p[2]),
+                          "move or shrink one of the fills: each place holds one fluid");
+    }
+  }
+  std::erase_if(filled.ghosts,
+                [&](const Record& r) { return grid.near(coordinates.to_metres(r.x, r.y, r.z), 0.75 * d) > 0; });
+  return ok();
+}
+
 }  // namespace
 
 Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, const Coordinates& coordinates,
@@ -276,6 +333,8 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
     filled.reports.push_back(
         {fluid.name, one.asked, one.volume, one.volume * fluid.density, region->top, one.sites.size()});
   }
+  if (filled.fluids.size() > 1)
+    if (auto settled = settle_neighbours(scene, coordinates, filled); !settled) return settled.error();
   return filled;
 }
 
