@@ -183,7 +183,6 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   j["stopped"] = stopped;
   for (std::size_t k = 0; k < limits_.size(); ++k)
     if (limits_[k]) j["step_limits"][kLimitNames[k]] = limits_[k];
-  j["limit_names"] = kLimitNames;
   const StageTimes& t = fluid_.times();
   j["stages"] = {{"sort", t.sort},
                  {"pressure", t.pressure},

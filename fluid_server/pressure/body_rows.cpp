@@ -118,26 +118,24 @@ void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
   }
 }
 
-void BodyRows::spread(std::span<const Vector6> y, std::span<float> out) const {
+template <class Add>
+void BodyRows::for_each_row(std::span<const Vector6> y, Add&& add) const {
   const std::size_t count = particle_start_.size() - 1;
 #pragma omp parallel for num_threads(threads_) schedule(static) if (row_.size() > kSerial)
   for (std::size_t p = 0; p < count; ++p)
     for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r) {
       double sum = 0;
       for (int c = 0; c < 6; ++c) sum += row_[r].u[c] * y[row_[r].body][c];
-      out[row_[r].particle] += static_cast<float>(sum);
+      add(row_[r].particle, static_cast<float>(sum));
     }
 }
 
+void BodyRows::spread(std::span<const Vector6> y, std::span<float> out) const {
+  for_each_row(y, [&](std::uint32_t particle, float value) { out[particle] += value; });
+}
+
 void BodyRows::spread_scaled(std::span<const Vector6> y, std::span<const float> diagonal, std::span<float> out) const {
-  const std::size_t count = particle_start_.size() - 1;
-#pragma omp parallel for num_threads(threads_) schedule(static) if (row_.size() > kSerial)
-  for (std::size_t p = 0; p < count; ++p)
-    for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r) {
-      double sum = 0;
-      for (int c = 0; c < 6; ++c) sum += row_[r].u[c] * y[row_[r].body][c];
-      out[row_[r].particle] -= static_cast<float>(sum) / diagonal[row_[r].particle];
-    }
+  for_each_row(y, [&](std::uint32_t particle, float value) { out[particle] -= value / diagonal[particle]; });
 }
 
 void BodyRows::factor(std::span<const float> diagonal) {
@@ -168,8 +166,7 @@ void BodyRows::factor(std::span<const float> diagonal) {
         entries.emplace_back(static_cast<int>(at.first) + i, static_cast<int>(at.second) + j,
                              block(i, j) + (at.first == at.second && i == j ? 1.0 : 0.0));
   }
-  // Blocks of bodies that share particles add up: at most twice the largest in practice; a step that proves the bound
-  // too small is refused by its energy.
+  // Blocks of bodies that share particles add up; more than two bodies at one particle are taken to be rare.
   norm_ = 2 * *std::max_element(trace.begin(), trace.end());
   Eigen::SparseMatrix<double> matrix(static_cast<int>(unknowns_), static_cast<int>(unknowns_));
   matrix.setFromTriplets(entries.begin(), entries.end());

@@ -20,7 +20,6 @@ class BodyRows {
   void build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
              const std::vector<SampleSums>& sums, const PassConstants& constants, double dt);
   bool empty() const { return row_.empty(); }
-  std::size_t bodies() const { return root_.size(); }  ///< all of the scene; those without rows stay zero
   bool moves(std::size_t body) const { return first_[body] < first_[body + 1]; }
 
   /// y_b = sum_i U_ib x_i, for each body.
@@ -43,6 +42,9 @@ class BodyRows {
     std::uint32_t particle, body;
     float u[6];
   };
+  /// add(particle, U_ib . y_b) for every row.
+  template <class Add>
+  void for_each_row(std::span<const Vector6> y, Add&& add) const;
   void add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
                 const PassConstants& constants, std::uint32_t begin, std::uint32_t end, std::vector<Row>& out) const;
 

@@ -38,7 +38,7 @@ class Mprgp {
  public:
   /// `bounded` marks the entries that must not be negative. `diagonal` > 0 scales the entries: an approximation of A's.
   /// x holds the start (negative entries are clamped) and the result. `norm` bounds the largest eigenvalue of A scaled
-  /// by the diagonal; it is raised if it proves too small.
+  /// by the diagonal and sets the length of the short steps.
   MprgpReport solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
                     std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
                     int threads);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/exchange/hash.h"
+#include "fluid_server/pressure/sums.h"
 
 namespace ballast::fluid {
 
@@ -22,8 +23,6 @@ class Stopwatch {
   double& total_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-constexpr std::size_t kBlock = 1024;  // particles per partial sum: fixed, so that sums do not depend on threads
 
 /// Position after a move of v dt; false if it left the domain along an axis that is not periodic.
 bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
@@ -145,14 +144,14 @@ const FluidProperties& WcsphFluid::fluid_of(std::uint32_t id) const {
 }
 
 Measures WcsphFluid::measure() const {
-  const std::size_t blocks = (particles_.size() + kBlock - 1) / kBlock;
+  const std::size_t blocks = (particles_.size() + kSumBlock - 1) / kSumBlock;
   std::vector<Measures> part(blocks);
   const Vec3 gravity(constants_.gravity[0], constants_.gravity[1], constants_.gravity[2]);
   const double c2 = static_cast<double>(constants_.sound_speed) * constants_.sound_speed;
 #pragma omp parallel for num_threads(constants_.threads) schedule(static)
   for (std::size_t b = 0; b < blocks; ++b) {
     Measures& m = part[b];
-    for (std::size_t f = b * kBlock; f < std::min(particles_.size(), (b + 1) * kBlock); ++f) {
+    for (std::size_t f = b * kSumBlock; f < std::min(particles_.size(), (b + 1) * kSumBlock); ++f) {
       const Record& r = particles_.record[f];
       const double rho = fluid_of(particles_.id[f]).density, mass = rho * r.volume, stiffness = rho * c2;
       const Vec3 x = coordinates_.to_metres(r.x, r.y, r.z), v(r.vx, r.vy, r.vz);

@@ -60,10 +60,6 @@ class WcsphFluid {
   std::span<const exchange::Wrench> wrenches() const { return response_->wrenches(); }
   std::span<const exchange::Contact> contacts() const { return response_->contacts(); }
 
-  void set_implicit(double t, double b) {
-    implicit_options_.tolerance = t;
-    implicit_options_.body_tolerance = b;
-  }
   Measures measure() const;
   const Particles& particles() const { return particles_; }
   const Coordinates& coordinates() const { return coordinates_; }

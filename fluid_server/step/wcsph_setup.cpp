@@ -76,12 +76,19 @@ double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, c
   return 10 * speed;
 }
 
+namespace {
+
+/// Of sqrt(d / |G|): how long an implicit step may be.
+double gravity_share(Accuracy accuracy) {
+  return accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
+}
+
+}  // namespace
+
 double gravity_step(const Scene& scene) {
   const double gravity = scene.world.gravity.norm();
   if (gravity == 0) return 1e300;
-  const Accuracy accuracy = scene.world.accuracy;
-  const double share = accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
-  return share * std::sqrt(scene.world.spacing / gravity);
+  return gravity_share(scene.world.accuracy) * std::sqrt(scene.world.spacing / gravity);
 }
 
 Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads,
@@ -149,7 +156,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.particles_.has_compression = true;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
     const Accuracy accuracy = scene.world.accuracy;
-    const double share = accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
+    const double share = gravity_share(accuracy);
     self.implicit_options_.tolerance = (accuracy == Accuracy::kInteractive ? 5e-3 : 1e-3) * share * share;
     self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-2 : 1e-3;
   }

@@ -72,6 +72,15 @@ class Passes : public testing::TestWithParam<Case> {
     return r;
   }
   static Vec3 velocity(const Record& r) { return {r.vx, r.vy, r.vz}; }
+  /// Builds the lists; 1 / sum V W of each sample, 0 where dry.
+  std::vector<float> build_and_weigh() {
+    build_lists(items_, constants_);
+    std::vector<SampleSums> sums;
+    gather_samples(items_, extras_, constants_, sums);
+    std::vector<float> inverse_w;
+    for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+    return inverse_w;
+  }
   double slope(double r) const { return kernel_.slope_over_r(r); }
 
   Kernel kernel_;
@@ -236,11 +245,7 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
 /// The power of the pressures' forces, on particles and on samples (those by brute force), is pressure times
 /// divergence.
 TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
-  build_lists(items_, constants_);
-  std::vector<SampleSums> sums;
-  gather_samples(items_, extras_, constants_, sums);
-  std::vector<float> inverse_w;
-  for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+  const std::vector<float> inverse_w = build_and_weigh();
   std::vector<float> pressure, out, divergence;
   for (const std::uint32_t item : items_.fluid_item) pressure.push_back(items_.record[item].p);
   std::vector<Flow> flow, velocities(items_.record.size());
@@ -254,7 +259,7 @@ TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
       power += force.dot(velocity(r)), scale += std::abs(force.dot(velocity(r)));
     }
   }
-  for (std::size_t s = 0; s < sums.size(); ++s) {
+  for (std::size_t s = 0; s < inverse_w.size(); ++s) {
     const Record& b = items_.record[items_.sample_item[s]];
     double w = 0, wp = 0;
     for (std::size_t f = 0; f < pressure.size(); ++f) {
@@ -278,11 +283,7 @@ TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
 }
 
 TEST_P(Passes, PressureOperatorIsSymmetricAndPositive) {
-  build_lists(items_, constants_);
-  std::vector<SampleSums> sums;
-  gather_samples(items_, extras_, constants_, sums);
-  std::vector<float> inverse_w;
-  for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+  const std::vector<float> inverse_w = build_and_weigh();
   std::mt19937 random(11);
   std::normal_distribution<float> normal;
   std::vector<float> x[2], ax[2];
