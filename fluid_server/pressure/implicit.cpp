@@ -17,8 +17,8 @@ constexpr float kInside = 0.8f, kSpray = 0.5f;  // of the dimension: fullness of
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
 constexpr std::size_t kHistory = 5;
 
-/// What a step takes back of a compression.
-float source_of(float compression) { return kDensitySource * std::clamp(compression, -kLargestSource, kLargestSource); }
+/// The part of a compression that a step looks at; it takes back kDensitySource of it.
+float source_of(float compression) { return std::clamp(compression, -kLargestSource, kLargestSource); }
 
 }  // namespace
 
@@ -68,8 +68,8 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
     for (std::size_t f = begin; f < end; ++f) {
       diagonal_[f] = std::max(static_cast<float>(rows_[f].diagonal * dt2), least);
       bounded_[f] = rows_[f].fullness < kInside * dimension;
-      right_[f] =
-          particles.record[f].volume * source_of(particles.compression[f]) - static_cast<float>(dt_ * divergence_[f]);
+      right_[f] = particles.record[f].volume * kDensitySource * source_of(particles.compression[f]) -
+                  static_cast<float>(dt_ * divergence_[f]);
     }
   });
   if (!bodies_.empty()) bodies_.factor(diagonal_);
@@ -82,7 +82,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float volume = particles.record[f].volume;
-      particles.compression[f] -= source_of(particles.compression[f]) + mprgp_.gradient()[f] / volume;
+      particles.compression[f] -= kDensitySource * source_of(particles.compression[f]) + mprgp_.gradient()[f] / volume;
       particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
     }
   });
