@@ -213,6 +213,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
     j["fills"].push_back({{"fluid", f.fluid},
                           {"volume_asked_m3", f.volume_asked},
                           {"volume_got_m3", f.volume_got},
+                          {"mass_asked_kg", f.mass_asked},
                           {"mass_kg", f.mass},
                           {"particles", f.particles}});
   const RelaxReport& relaxed = fluid_.relax_report();

@@ -61,8 +61,9 @@ int bench(const std::string& out, const std::string& filter) {
   }
   json all = json::array();
   int exit = kFine;
-  fmt::print("{:<36} {:>10} {:>3} {:>12} {:<22} {:>8} {}\n", "name", "particles", "thr", "value", "unit", "ratio",
-             "checked");
+  constexpr auto kLine = "{:<48} {:>9} {:>3} {:>10} {:<17} {:>8} {:<30} {}\n";
+  fmt::print(kLine, "name", "particles", "thr", "value", "unit", "ratio", "to", "checked");
+  std::fflush(stdout);
   for (const fs::path& program : found) {
     const json list = results_of(program);
     if (list.is_discarded()) {
@@ -71,8 +72,8 @@ int bench(const std::string& out, const std::string& filter) {
       continue;
     }
     for (const json& row : list) {
-      fmt::print("{:<36} {:>10} {:>3} {:>12} {:<22} {:>8} {}\n", cell(row, "name"), cell(row, "particles"),
-                 cell(row, "threads"), cell(row, "value"), cell(row, "unit"), cell(row, "ratio"), cell(row, "checked"));
+      fmt::print(kLine, cell(row, "name"), cell(row, "particles"), cell(row, "threads"), cell(row, "value"),
+                 cell(row, "unit"), cell(row, "ratio"), cell(row, "yardstick"), cell(row, "checked"));
       if (row.contains("checked") && row["checked"] == false) exit = kProcessFailed;
       all.push_back(row);
     }

@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <thread>
 #include <utility>
 
 #include "launch/progress.h"
@@ -31,24 +32,22 @@ constexpr auto kNap = std::chrono::milliseconds(50);
 
 volatile std::sig_atomic_t signals_seen = 0;
 
-/// Counts SIGINT and SIGTERM while it lives.
+/// Counts SIGINT, SIGTERM and SIGHUP while it lives.
 class StopSignals {
  public:
   StopSignals() {
     signals_seen = 0;
     struct sigaction action {};
     action.sa_handler = [](int) { signals_seen = signals_seen + 1; };
-    sigaction(SIGINT, &action, &old_int_);
-    sigaction(SIGTERM, &action, &old_term_);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &old_[i]);
   }
   ~StopSignals() {
-    sigaction(SIGINT, &old_int_, nullptr);
-    sigaction(SIGTERM, &old_term_, nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &old_[i], nullptr);
   }
 
  private:
-  struct sigaction old_int_ {
-  }, old_term_{};
+  static constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, 3> old_{};
 };
 
 const char* state_name(PeerState state) {
@@ -216,6 +215,7 @@ class Driver {
                                                     own.wait_s};
     }
     s.warnings = collector_.warnings().size();
+    s.obeys = options_.commands != nullptr;
     s.exit_code = outcome_.exit;
     return s;
   }
@@ -229,6 +229,9 @@ class Driver {
     if (outcome_.interrupted && gone) return false;
     if (state == PeerState::kDead || gone) {
       if (std::exchange(reported_dead_[static_cast<std::size_t>(role)], true)) return false;
+      // The partner may find it dead before the kernel lets it be reaped: how it ended is worth a moment.
+      for (int k = 0; k < 20 && children_.started(role) && children_.running(role); ++k, children_.poll())
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
       std::string how = children_.how_ended(role);
       if (how.empty()) how = "is gone";
       fail(kProcessFailed, fmt::format("the {}{} {} at t = {:.4g} s", exchange::role_name(role),

@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <ballast/command_t.hpp>
+#include <ballast/status_t.hpp>
+#include <chrono>
 #include <lcm/lcm-cpp.hpp>
 #include <mutex>
 #include <thread>
@@ -72,6 +74,22 @@ std::vector<RunCommand> CommandListener::take() {
   return std::exchange(worker_->commands, {});
 }
 
+namespace {
+
+/// Who is heard.
+struct Runs {
+  bool obeying = false;
+  std::string deaf;  // scene of a run that obeys no commands
+  void hear(const lcm::ReceiveBuffer*, const std::string&, const status_t* status) {
+    if (status->obeys)
+      obeying = true;
+    else
+      deaf = status->scene;
+  }
+};
+
+}  // namespace
+
 int tell(const RunCommand& command, const std::string& asked) {
   const auto url = msgs::url_to_open(asked);
   if (!url) {
@@ -82,8 +100,21 @@ int tell(const RunCommand& command, const std::string& asked) {
   command_t message;
   message.action = command.action;
   message.steps = command.steps;
-  if (lcm.good() && lcm.publish(msgs::kCommand, &message) == 0) return kFine;
-  fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());
+  Runs runs;
+  if (!lcm.good() || !lcm.subscribe(msgs::kStatus, &Runs::hear, &runs) || lcm.publish(msgs::kCommand, &message) != 0) {
+    fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());
+    return kProcessFailed;
+  }
+  // LCM tells nobody whether a message arrived; a run says ten times a second whether it obeys.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  while (!runs.obeying && std::chrono::steady_clock::now() < end && lcm.handleTimeout(kSlice) >= 0) {
+  }
+  if (runs.obeying) return kFine;
+  if (runs.deaf.empty())
+    fmt::print(stderr, "ballast: no run is heard at '{}'\n  start one with --lcm-commands, or give its --lcm-url\n",
+               *url);
+  else
+    fmt::print(stderr, "ballast: the run of '{}' obeys no commands\n  start it with --lcm-commands\n", runs.deaf);
   return kProcessFailed;
 }
 

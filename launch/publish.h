@@ -25,6 +25,7 @@ struct RunStatus {
   };
   Process fluid, rigid;
   std::size_t warnings = 0;
+  bool obeys = false;  ///< commands over LCM
   int exit_code = 0;
 };
 

@@ -174,6 +174,7 @@ status_t status_message(const MessageFacts& facts, const RunStatus& s, const std
   m.rigid_compute = s.rigid.compute;
   m.rigid_wait = s.rigid.wait;
   m.warnings = static_cast<std::int32_t>(s.warnings);
+  m.obeys = s.obeys;
   m.exit_code = s.exit_code;
   return m;
 }

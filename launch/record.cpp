@@ -236,6 +236,21 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   return record;
 }
 
+std::vector<std::string> fill_lines(const json& fluid) {
+  std::vector<std::string> lines;
+  const json fills = get(fluid, "fills");
+  if (!fills.is_array()) return lines;
+  for (const json& f : fills) {
+    const double asked = f["volume_asked_m3"], got = f["volume_got_m3"], mass = f["mass_kg"];
+    lines.push_back(
+        fmt::format("fluid {}: asked {:.5g} m^3, {:.5g} kg; got {:.5g} m^3, {:.5g} kg in {} particles{}",
+                    f["fluid"].get<std::string>(), asked, f["mass_asked_kg"].get<double>(), got, mass,
+                    f["particles"].get<std::size_t>(),
+                    asked - got > 1e-6 * asked ? fmt::format("; {:.3g} m^3 taken by bodies", asked - got) : ""));
+  }
+  return lines;
+}
+
 std::vector<std::string> summary_lines(const json& r, const std::string& out_dir) {
   const json particles = get(r, "particles");
   std::string parts = r["engine"].is_string() ? "engine " + r["engine"].get<std::string>() : "no engine";

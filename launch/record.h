@@ -20,6 +20,9 @@ std::optional<double> momentum_imbalance(const nlohmann::json& fluid, const nloh
 nlohmann::json make_record(const Prepared& prepared, const Outcome& outcome, const Collector& collector,
                            const std::vector<Verdict>& verdicts, int threads);
 
+/// A line per fluid: volume and mass asked, what bodies took of it, volume and mass got.
+std::vector<std::string> fill_lines(const nlohmann::json& fluid_report);
+
 /// The last five lines of a run: what, how fast, how large, how wrong, where.
 std::vector<std::string> summary_lines(const nlohmann::json& record, const std::string& out_dir);
 

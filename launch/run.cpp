@@ -1,10 +1,17 @@
 // One run from beginning to end: prepare, share, start, drive, judge, record.
 #include "launch/run.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "common/output/columns.h"
 #include "common/output/picture.h"
@@ -32,13 +39,36 @@ int fail(const Error& error) {
   return error.exit_code;
 }
 
-/// Makes the folder and removes what an earlier run left there under the names that this run writes.
-Result<std::string> make_out_dir(const std::string& wanted, const std::string& scene) {
+/// The outputs' folder, held by this run alone while it lives.
+class OutDir {
+ public:
+  /// Makes the folder and removes what an earlier run left there under the names that this run writes.
+  static Result<OutDir> make(const std::string& wanted, const std::string& scene);
+  OutDir(OutDir&& other) noexcept : path(std::move(other.path)), file_(std::exchange(other.file_, -1)) {}
+  OutDir& operator=(OutDir&&) = delete;
+  ~OutDir() {
+    if (file_ >= 0) close(file_);
+  }
+  std::string path;
+
+ private:
+  OutDir(std::string p, int file) : path(std::move(p)), file_(file) {}
+  int file_;  // the folder itself, locked
+};
+
+Result<OutDir> OutDir::make(const std::string& wanted, const std::string& scene) {
   std::error_code failed;
   const fs::path dir = fs::absolute(wanted.empty() ? fs::path("out") / scene : fs::path(wanted)).lexically_normal();
   fs::create_directories(dir, failed);
   if (failed)
     return Error{"cannot make folder " + dir.string() + ": " + failed.message(), "choose another one with --out", ""};
+  OutDir out(dir.string(), open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (out.file_ < 0)
+    return Error{"cannot open folder " + dir.string() + ": " + std::strerror(errno), "choose another one with --out",
+                 ""};
+  if (flock(out.file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    return Error{"another run writes to " + dir.string() + " right now", "wait for it or choose another with --out",
+                 ""};
   for (const char* name : {"record.json", "bodies.csv", "probes.csv", "picture.png", "picture.pov"}) {
     fs::remove(dir / name, failed);
     fs::remove(dir / (std::string(name) + ".part"), failed);
@@ -47,7 +77,7 @@ Result<std::string> make_out_dir(const std::string& wanted, const std::string& s
     const std::string name = it->path().filename().string();
     if (name.ends_with(".vtp") || name.ends_with(".pvd")) fs::remove(it->path(), failed);
   }
-  return dir.string();
+  return out;
 }
 
 std::vector<std::string> reference_folders(const std::vector<std::string>& asked) {
@@ -169,6 +199,15 @@ void draw_dry(const Prepared& prepared, const Table& rows, const std::string& ou
   }
 }
 
+/// A scene with a hundred copies of one fault has one fault: the record has every line.
+void print_warnings(const nlohmann::json& warnings) {
+  constexpr std::size_t kShown = 12;
+  for (std::size_t i = 0; i < std::min(warnings.size(), kShown); ++i)
+    fmt::print(stderr, "ballast: warning: {}\n", warnings[i].get<std::string>());
+  if (warnings.size() > kShown)
+    fmt::print(stderr, "ballast: {} more warnings in record.json\n", warnings.size() - kShown);
+}
+
 /// Judges, writes the record, prints the end of the run.
 int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, const RunOptions& options,
              const std::string& out_dir) {
@@ -196,8 +235,10 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
   }
   if (!prepared.fluid) draw_dry(prepared, collector.bodies(), out_dir, options.threads);
   const nlohmann::json record = make_record(prepared, outcome, collector, verdicts, options.threads);
-  for (const auto& warning : record["warnings"])
-    fmt::print(stderr, "ballast: warning: {}\n", warning.get<std::string>());
+  if (!options.quiet) {
+    for (const std::string& line : fill_lines(outcome.fluid)) fmt::print("{}\n", line);
+  }
+  print_warnings(record["warnings"]);
   if (Status s = output::write_whole(out_dir + "/record.json", record.dump(2) + "\n"); !s) return fail(s.error());
   std::string files = "record.json";
   for (const char* name : {"bodies.csv", "probes.csv", "picture.png", "vtk"}) {
@@ -219,8 +260,9 @@ int run(const RunOptions& options) {
   if (!prepared) return fail(prepared.error());
   auto lcm = plan_lcm(options, *prepared);
   if (!lcm) return fail(lcm.error());
-  auto out_dir = make_out_dir(options.out, prepared->scene.name);
-  if (!out_dir) return fail(out_dir.error());
+  auto folder = OutDir::make(options.out, prepared->scene.name);
+  if (!folder) return fail(folder.error());
+  const std::string& out_dir = folder->path;
   for (const std::string& name : Segment::remove_stale()) {
     fmt::print(stderr, "ballast: removed /dev/shm/{}, left by a run that was killed\n", name);
   }
@@ -230,13 +272,13 @@ int run(const RunOptions& options) {
     }
     std::fflush(stdout);
   }
-  auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, *out_dir);
+  auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, out_dir);
   if (!collector) return fail(collector.error());
 
   exchange::SegmentPlan plan;
   plan.manifest = make_manifest(prepared->scene, prepared->bodies);
   plan.scene_text = print_scene(prepared->scene);
-  plan.out_dir = *out_dir;
+  plan.out_dir = out_dir;
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;
   plan.rigid = prepared->rigid;
@@ -246,11 +288,11 @@ int run(const RunOptions& options) {
   if (!segment) return fail(segment.error());
 
   Children children;
-  if (Status s = start_or_print(children, *prepared, name, options, *out_dir); !s) return fail(s.error());
+  if (Status s = start_or_print(children, *prepared, name, options, out_dir); !s) return fail(s.error());
   if (Status s = open_lcm(*lcm, options, *prepared); !s) return fail(s.error());
   Outcome outcome = drive(*segment, children, *prepared, *collector,
                           {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get()});
-  return conclude(*prepared, outcome, *collector, options, *out_dir);
+  return conclude(*prepared, outcome, *collector, options, out_dir);
 }
 
 }  // namespace ballast::launch

@@ -331,7 +331,8 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
       }
     filled.fluids.push_back(properties);
     filled.reports.push_back(
-        {fluid.name, one.asked, one.volume, one.volume * fluid.density, region->top, one.sites.size()});
+        {fluid.name, one.asked, one.volume, one.asked * fluid.density, one.volume * fluid.density, region->top,
+         one.sites.size()});
   }
   if (filled.fluids.size() > 1)
     if (auto settled = settle_neighbours(scene, coordinates, filled); !settled) return settled.error();

@@ -15,7 +15,8 @@ struct FillReport {
   std::string fluid;
   double volume_asked = 0;  ///< m^3, of the fill without bodies
   double volume_got = 0;    ///< m^3, after carving: particles times their volume
-  double mass = 0;          ///< kg
+  double mass_asked = 0;    ///< kg
+  double mass = 0;          ///< kg, got
   double top = 0;           ///< m, height of the surface: where the starting pressure is zero
   std::size_t particles = 0;
 };

@@ -50,13 +50,14 @@ struct Row {
   bool checked = true;
 };
 
-/// Prints the table, and the list where it was asked for. The exit code of the program.
+/// Prints the table, or the list where it was asked for on standard output. The exit code of the program.
 inline int finish(const Options& options, const std::vector<Row>& rows, const std::string& simd) {
   nlohmann::json list = nlohmann::json::array();
   bool good = true;
-  std::FILE* table = options.json && options.file.empty() ? stderr : stdout;
-  std::fprintf(table, "%-42s %9s %3s %12s %-22s %8s  %-34s %s\n", "name", "particles", "thr", "value", "unit", "ratio",
-               "to", "checked");
+  const bool table = !options.json || !options.file.empty();
+  if (table)
+    std::printf("%-42s %9s %3s %12s %-22s %8s  %-34s %s\n", "name", "particles", "thr", "value", "unit", "ratio", "to",
+                "checked");
   for (const Row& r : rows) {
     good = good && r.checked;
     list.push_back({{"name", r.name},
@@ -68,8 +69,9 @@ inline int finish(const Options& options, const std::vector<Row>& rows, const st
                     {"yardstick", r.yardstick},
                     {"ratio", r.ratio},
                     {"checked", r.checked}});
-    std::fprintf(table, "%-42s %9zu %3d %12.5g %-22s %8.3f  %-34s %s\n", r.name.c_str(), r.particles, r.threads,
-                 r.value, r.unit.c_str(), r.ratio, r.yardstick.c_str(), r.checked ? "yes" : "NO");
+    if (table)
+      std::printf("%-42s %9zu %3d %12.5g %-22s %8.3f  %-34s %s\n", r.name.c_str(), r.particles, r.threads, r.value,
+                  r.unit.c_str(), r.ratio, r.yardstick.c_str(), r.checked ? "yes" : "NO");
   }
   if (options.json && options.file.empty()) std::printf("%s\n", list.dump(2).c_str());
   if (!options.file.empty()) {

@@ -1,6 +1,8 @@
 // The command from outside: exit codes, messages, and that no process and no shared memory stays behind.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -164,6 +166,17 @@ TEST_F(Cli, ResolvePrintsASceneThatResolvesToItself) {
   ASSERT_EQ(once.code, 0) << once.text;
   std::ofstream(folder / "fall.yaml") << once.text;
   EXPECT_EQ(call({"resolve", scene()}).text, once.text);
+}
+
+TEST_F(Cli, OneRunAtATimeWritesToAFolder) {
+  fs::create_directories(out());
+  const int other = open(out().c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(flock(other, LOCK_EX), 0);
+  const Ended refused = call({"run", scene(), "--out", out()});
+  EXPECT_EQ(refused.code, 2) << refused.text;
+  EXPECT_NE(refused.text.find("another run writes to " + out()), std::string::npos) << refused.text;
+  close(other);
+  EXPECT_EQ(call({"run", scene(), "--out", out()}).code, 0);
 }
 
 TEST_F(Cli, TheSpySaysWhatItNeeds) {

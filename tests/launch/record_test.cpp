@@ -115,6 +115,19 @@ TEST_F(Record, HashDependsOnBothProcesses) {
   EXPECT_EQ(both.get<std::string>().size(), 16u);
 }
 
+TEST(FillLines, SayVolumeAndMassAskedAndGotAndWhatBodiesTook) {
+  const json fluid = {{"fills",
+                       {{{"fluid", "water"},
+                         {"volume_asked_m3", 0.5},
+                         {"volume_got_m3", 0.375},
+                         {"mass_asked_kg", 500},
+                         {"mass_kg", 375},
+                         {"particles", 1200}}}}};
+  EXPECT_EQ(fill_lines(fluid), std::vector<std::string>{"fluid water: asked 0.5 m^3, 500 kg; got 0.375 m^3, 375 kg in "
+                                                        "1200 particles; 0.125 m^3 taken by bodies"});
+  EXPECT_TRUE(fill_lines(json::object()).empty());
+}
+
 TEST_F(Record, EndsInFiveLinesWithExpectationsBesideRunTime) {
   outcome.exit = kExpectationMissed;
   Verdict verdict;
