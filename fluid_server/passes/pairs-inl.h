@@ -160,12 +160,14 @@ class Pairs {
     const Record& own = items_.record[item];
     const VF zero = hn::Zero(d), one = hn::Set(d, 1.f);
     const VF own_volume = hn::Set(d, own.volume);
-    VF w = zero, fullness = zero, square = zero, cx = zero, cy = zero, cz = zero;
+    VF w = zero, fluid = zero, solid = zero, square = zero, cx = zero, cy = zero, cz = zero;
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope), value = kernel_.value(r.r2);
       const auto sample = hn::Lt(motion.d, zero);
       w = hn::MulAdd(volume, value, w);
-      fullness = hn::NegMulAdd(vg, r.r2, fullness);
+      const VF part = hn::Mul(vg, r.r2);
+      fluid = hn::Sub(fluid, hn::IfThenZeroElse(sample, part));
+      solid = hn::Sub(solid, hn::IfThenElseZero(sample, part));
       const VF share = hn::IfThenElseZero(sample, hn::Mul(hn::Mul(own_volume, value), r.p));
       const VF own_part = hn::Mul(vg, hn::Add(one, share));
       cx = hn::MulAdd(own_part, r.x, cx);
@@ -175,7 +177,7 @@ class Pairs {
       square = hn::Add(square, hn::IfThenZeroElse(sample, g2));
     });
     const float x = total(cx), y = total(cy), z = total(cz), rho = density(item);
-    return {total(w) + self_value(item), total(fullness),
+    return {total(w) + self_value(item), total(fluid) / std::max(Dim - total(solid), kLeastRoom * Dim),
             own.volume * ((x * x + y * y + z * z) / rho + own.volume * total(square))};
   }
 
@@ -252,6 +254,7 @@ class Pairs {
   // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
   // spray. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
   static constexpr float kSpray = 0.5f;
+  static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
 
   template <class Body>
   HWY_INLINE void for_each_neighbour(std::uint32_t item, Body&& body) const {

@@ -13,9 +13,11 @@ namespace {
 constexpr float kDensitySource = 0.2f;          // beta: share of the compression that a step takes back
 constexpr float kLargestSource = 0.1f;          // of a step: overlaps are let out slowly
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
-constexpr float kInside = 0.8f, kSpray = 0.5f;  // of the dimension: fullness of the inside, and of what is spray
+constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
 constexpr std::size_t kHistory = 5;
+// Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
+constexpr double kYielding = 0.05;
 
 /// The part of a compression that a step looks at; it takes back kDensitySource of it.
 float source_of(float compression) { return std::clamp(compression, -kLargestSource, kLargestSource); }
@@ -55,19 +57,20 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   apply_divergence(items, constants, inverse_w_, flow_, divergence_);
   bodies_.build(items, samples_, states, sums, constants, dt_);
 
-  diagonal_.resize(n), right_.resize(n), bounded_.resize(n);
+  diagonal_.resize(n), yielding_.resize(n), right_.resize(n), bounded_.resize(n);
   const double dt2 = dt_ * dt_;
-  const float dimension = static_cast<float>(constants.kernel.dimension);
   const auto [mean_diagonal] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t f = begin; f < end; ++f) sum += rows_[f].diagonal * dt2;
     return std::array<double, 1>{sum};
   });
-  const float least = static_cast<float>(1e-3 * mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
+  const float least = static_cast<float>(kYielding * mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      diagonal_[f] = std::max(static_cast<float>(rows_[f].diagonal * dt2), least);
-      bounded_[f] = rows_[f].fullness < kInside * dimension;
+      const float diagonal = static_cast<float>(rows_[f].diagonal * dt2);
+      diagonal_[f] = std::max(diagonal, least);
+      yielding_[f] = diagonal_[f] - diagonal;
+      bounded_[f] = rows_[f].fullness < kInside;
       right_[f] = particles.record[f].volume * kDensitySource * source_of(particles.compression[f]) -
                   static_cast<float>(dt_ * divergence_[f]);
     }
@@ -100,12 +103,11 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
 /// the summed density, less the mean excess that disorder gives every such sum (1 % in 2-D: the level would rise by as
 /// much); at a surface the sum is short of neighbours, but never less than the truth when it is above.
 void ImplicitPressure::correct_compression(Particles& particles) {
-  const float dimension = static_cast<float>(constants_->kernel.dimension);
   const auto [sum, number] =
       sum_blocks<2>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
         double excess = 0, inside = 0;
         for (std::size_t f = begin; f < end; ++f) {
-          if (rows_[f].fullness <= kInside * dimension) continue;
+          if (rows_[f].fullness <= kInside) continue;
           excess += rows_[f].delta - 1 - particles.compression[f];
           ++inside;
         }
@@ -116,9 +118,9 @@ void ImplicitPressure::correct_compression(Particles& particles) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];
       const float seen = rows_[f].delta - 1;
-      if (rows_[f].fullness < kSpray * dimension)
+      if (rows_[f].fullness < kSpray)
         e = seen;
-      else if (rows_[f].fullness > kInside * dimension)
+      else if (rows_[f].fullness > kInside)
         e += kPull * (seen - bias - e);
       else
         e = std::max(e, seen);
@@ -172,7 +174,7 @@ void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& ou
   apply_pressure(items, *extras_, *constants_, inverse_w_, flow_, out);
   const float dt2 = static_cast<float>(dt_ * dt_);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) out[f] *= dt2;
+    for (std::size_t f = begin; f < end; ++f) out[f] = dt2 * out[f] + yielding_[f] * x[f];
   });
   if (bodies_.empty()) return;
   bodies_.reduce(x, reduced_);
