@@ -330,9 +330,8 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
         filled.ghosts.push_back({at[0], at[1], at[2], 0, 0, 0, 0, static_cast<float>(-volume)});
       }
     filled.fluids.push_back(properties);
-    filled.reports.push_back(
-        {fluid.name, one.asked, one.volume, one.asked * fluid.density, one.volume * fluid.density, region->top,
-         one.sites.size()});
+    filled.reports.push_back({fluid.name, one.asked, one.volume, one.asked * fluid.density, one.volume * fluid.density,
+                              region->top, one.sites.size()});
   }
   if (filled.fluids.size() > 1)
     if (auto settled = settle_neighbours(scene, coordinates, filled); !settled) return settled.error();
