@@ -84,9 +84,8 @@ void sum_density(const Neighbourhood& items, const PassConstants& constants, std
 
 /// What a particle's neighbourhood says about its row of the pressure system.
 struct RowSums {
-  float delta;  ///< sum V_j W, self included; samples count
-  float
-      fullness;  ///< share of the room left by solids that fluid fills, by -sum V_j g r^2: 1 inside, less at a surface
+  float delta;     ///< sum V_j W, self included; samples count
+  float fullness;  ///< fluid's share of the room that solids leave, by -sum V_j g r^2: 1 inside, less at a surface
   float diagonal;  ///< of G^T M^-1 G, without what a sample hands on to others
 };
 

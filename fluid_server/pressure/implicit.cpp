@@ -241,8 +241,9 @@ void ImplicitPressure::estimate_norm() {
 }
 
 std::size_t ImplicitPressure::memory() const {
-  const auto floats = inverse_w_.capacity() + diagonal_.capacity() + right_.capacity() + pressure_.capacity() +
-                      divergence_.capacity() + acceleration_.capacity() + 7 * pressure_.capacity();
+  const auto floats = inverse_w_.capacity() + yielding_.capacity() + diagonal_.capacity() + right_.capacity() +
+                      pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() +
+                      7 * pressure_.capacity();
   return floats * sizeof(float) + rows_.capacity() * sizeof(RowSums) + flow_.capacity() * sizeof(Flow) +
          bodies_.memory();
 }

@@ -69,7 +69,7 @@ class ImplicitPressure : private QuadraticProgram {
   Mprgp mprgp_;
   BodyRows bodies_;
   std::vector<RowSums> rows_;
-  std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_, free_part_;
+  std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_;
   std::vector<std::uint8_t> bounded_;
   std::vector<Flow> flow_;
   std::vector<Vector6> reduced_, foreseen_, start_;
