@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
 #include <unordered_map>
 
@@ -94,12 +95,6 @@ Result<Region> region_of(const Scene& scene, const std::vector<Body>& bodies, co
 }
 
 /// One lattice site that may hold a particle.
-struct Site {
-  Vec3 position;
-  double clearance;  // from the region's edge and from all solids, m; negative outside
-  std::size_t index;
-};
-
 /// Signed clearance from solids: positive outside all of them.
 class Obstacles {
  public:
@@ -130,51 +125,75 @@ class Obstacles {
   std::vector<One> one_;
 };
 
-/// Share of a lattice cell that is fluid, from distances at the centres of 4 sub-cells per axis; exact for faces along
-/// axes.
-double cell_share(const std::function<double(const Vec3&)>& outside, const Vec3& centre, const Vec3& pitch,
+/// Share of a lattice cell where `outside` is negative, and the centre of that part, from distances at the centres of 4
+/// sub-cells per axis; exact for faces along axes.
+struct Part {
+  double share = 0;
+  Vec3 centre = Vec3::Zero();
+};
+Part part_of_cell(const std::function<double(const Vec3&)>& outside, const Vec3& centre, const Vec3& pitch,
                   int dimension) {
   constexpr int n = 4;
-  double share = 0;
+  Part part;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < (dimension == 2 ? 1 : n); ++b)
       for (int c = 0; c < n; ++c) {
-        Vec3 offset((a + 0.5) / n - 0.5, dimension == 2 ? 0.0 : (b + 0.5) / n - 0.5, (c + 0.5) / n - 0.5);
+        const Vec3 offset((a + 0.5) / n - 0.5, dimension == 2 ? 0.0 : (b + 0.5) / n - 0.5, (c + 0.5) / n - 0.5);
+        const Vec3 p = centre + offset.cwiseProduct(pitch);
         const double width = (dimension == 2 ? std::sqrt(pitch[0] * pitch[2]) : std::cbrt(pitch.prod())) / n;
-        share += std::clamp(0.5 - outside(centre + offset.cwiseProduct(pitch)) / width, 0.0, 1.0);
+        const double inside = std::clamp(0.5 - outside(p) / width, 0.0, 1.0);
+        part.share += inside;
+        part.centre += inside * p;
       }
-  return share / (dimension == 2 ? n * n : n * n * n);
+  if (part.share > 0) part.centre /= part.share;
+  part.share /= dimension == 2 ? n * n : n * n * n;
+  return part;
 }
 
+/// A lattice cell that a surface cuts.
+struct CutCell {
+  std::array<int, 3> at;
+  Part part;
+};
+
+/// Stands for the air above a free surface while the start is relaxed.
+struct Ghost {
+  Vec3 position;
+  double volume;
+};
+
 struct FilledOne {
-  std::vector<Site> sites;
-  std::vector<Vec3> ghosts;
+  std::vector<Vec3> sites;
+  std::vector<Ghost> ghosts;
   double volume = 0;  // of all particles, m^3
   double asked = 0;
 };
 
-/// The `wanted` sites with the largest clearance. Where a flat surface leaves many equal ones to choose from, every
-/// n-th, going there and back along the rows: any other choice would weight one side of a body.
-std::vector<Site> clearest(std::vector<Site> sites, std::size_t wanted, double equal) {
-  if (sites.size() <= wanted || wanted == 0) return sites;
-  std::vector<double> clearances;
-  for (const Site& site : sites) clearances.push_back(site.clearance);
-  std::nth_element(clearances.begin(), clearances.begin() + static_cast<std::ptrdiff_t>(wanted - 1), clearances.end(),
-                   std::greater<>());
-  const double cut = clearances[wanted - 1];
-  const auto above = [&](const Site& site) { return site.clearance > cut + equal; };
-  const auto at = [&](const Site& site) { return !above(site) && site.clearance >= cut - equal; };
-  const std::size_t sure = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), above));
-  const std::size_t ties = static_cast<std::size_t>(std::count_if(sites.begin(), sites.end(), at)),
-                    open = wanted - sure;
-  std::size_t seen = 0;
-  std::erase_if(sites, [&](const Site& site) {
-    if (above(site)) return false;
-    if (!at(site)) return true;
-    ++seen;
-    return (2 * seen * open + ties) / (2 * ties) == (2 * (seen - 1) * open + ties) / (2 * ties);
-  });
-  return sites;
+/// Particles for the cells that surfaces cut: each gets one or none, and what is too much or too little is handed to
+/// cut cells beside it that are still to come (error diffusion, Floyd and Steinberg 1976), so that the volume is right
+/// to within a particle around every piece of surface: a channel with a few particles too many pushes its walls apart.
+void place_cut(const std::vector<CutCell>& cells, std::vector<Vec3>& sites) {
+  constexpr double kLeast = 0.25;  // share of a cell that has room for a particle
+  std::map<std::array<int, 3>, std::size_t> number;
+  for (std::size_t k = 0; k < cells.size(); ++k) number[cells[k].at] = k;
+  std::vector<double> handed(cells.size(), 0.0);
+  double loose = 0;  // handed on by cells without neighbours
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    double want = cells[k].part.share + handed[k] + loose;
+    loose = 0;
+    if (want >= (cells[k].part.share >= kLeast ? 0.5 : 1.0)) {
+      sites.push_back(cells[k].part.centre);
+      want -= 1;
+    }
+    std::vector<std::size_t> next;
+    for (int j = 0; j < 27; ++j) {
+      const auto& at = cells[k].at;
+      const auto found = number.find({at[0] + j % 3 - 1, at[1] + j / 3 % 3 - 1, at[2] + j / 9 - 1});
+      if (found != number.end() && found->second > k) next.push_back(found->second);
+    }
+    for (const std::size_t other : next) handed[other] += want / static_cast<double>(next.size());
+    if (next.empty()) loose = want;
+  }
 }
 
 FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene& scene, double support) {
@@ -192,38 +211,45 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
   const double cell = dimension == 2 ? pitch[0] * pitch[2] : pitch.prod();
   const double near = 0.9 * pitch.norm();
   auto outside = [&](const Vec3& p) { return std::max(region.distance(p), -obstacles.clearance(p)); };
+  auto not_air = [&](const Vec3& p) { return std::max(-region.distance(p), -obstacles.clearance(p)); };
   FilledOne out;
   const int margin = static_cast<int>(std::ceil(support / d));
   const int my = dimension == 2 ? 0 : margin;
-  std::size_t index = 0;
+  std::vector<CutCell> cut;
   for (int iz = -margin; iz < n[2] + margin; ++iz)
     for (int iy = -my; iy < n[1] + my; ++iy)
-      for (int k = -margin; k < n[0] + margin; ++k, ++index) {
-        const int ix = (iy + iz) % 2 == 0 ? k : n[0] - 1 - k;  // there and back, for clearest()
+      for (int k = -margin; k < n[0] + margin; ++k) {
+        const int ix = (iy + iz) % 2 == 0 ? k : n[0] - 1 - k;  // there and back, so that place_cut favours no side
         Vec3 p = origin + Vec3(ix + 0.5, iy + 0.5, iz + 0.5).cwiseProduct(pitch);
         if (dimension == 2) p[1] = 0;
         const double phi = region.distance(p), free = obstacles.clearance(p), s = std::max(phi, -free);
         if (phi < -near)
           out.asked += cell;
         else if (phi < near)
-          out.asked += cell * cell_share(region.distance, p, pitch, dimension);
-        if (s < -near)
-          out.volume += cell;
-        else if (s < near)
-          out.volume += cell * cell_share(outside, p, pitch, dimension);
-        if (s < 0.5 * d) out.sites.push_back({p, -s, index});
-        if (phi > 0.25 * d && phi < support && free > 0.25 * d) out.ghosts.push_back(p);
+          out.asked += cell * part_of_cell(region.distance, p, pitch, dimension).share;
+        if (s < near) {
+          const Part part = s < -near ? Part{1, p} : part_of_cell(outside, p, pitch, dimension);
+          out.volume += cell * part.share;
+          if (part.share > 1 - 1e-6)
+            out.sites.push_back(p);
+          else if (part.share > 1e-6)
+            cut.push_back({{ix, iy, iz}, part});
+        }
+        if (phi > 0 && phi < support && free > -near) {
+          // what neither fluid nor solids fill, so that nothing can be pushed into a gap between ghosts and a solid
+          const double air = free > near && phi > near ? 1 : part_of_cell(not_air, p, pitch, dimension).share;
+          if (air > 0) out.ghosts.push_back({p, air * cell});
+        }
       }
-  const std::size_t wanted = static_cast<std::size_t>(std::lround(out.volume / cell));
-  out.sites = clearest(std::move(out.sites), wanted, 1e-6 * d);
+  place_cut(cut, out.sites);
   return out;
 }
 
-Record make_record(const Site& site, const Fluid& fluid, const Vec3& centre, double top, double volume,
+Record make_record(const Vec3& site, const Fluid& fluid, const Vec3& centre, double top, double volume,
                    const Scene& scene, const Coordinates& coordinates) {
-  const Fixed3 at = coordinates.to_fixed(site.position);
-  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site.position - centre);
-  const double depth = std::max(top - site.position[2], 0.0);
+  const Fixed3 at = coordinates.to_fixed(site);
+  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site - centre);
+  const double depth = std::max(top - site[2], 0.0);
   const double p = scene.numerics.reduced_gravity ? 0 : -fluid.density * scene.world.gravity[2] * depth;
   return {at[0],
           at[1],
@@ -315,19 +341,19 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
     properties.first_id = static_cast<std::uint32_t>(filled.particles.size());
     properties.count = static_cast<std::uint32_t>(one.sites.size());
     const Vec3 centre = 0.5 * (region->bounds.min + region->bounds.max);
-    for (const Site& site : one.sites) {
-      if (!coordinates.inside(site.position))
+    for (const Vec3& site : one.sites) {
+      if (!coordinates.inside(site))
         return fill_error(fluid,
                           fmt::format("fluid '{}' reaches outside the domain at ({:.3g}, {:.3g}, {:.3g}) m", fluid.name,
-                                      site.position[0], site.position[1], site.position[2]),
+                                      site[0], site[1], site[2]),
                           "enlarge world.domain or move the fill");
       filled.particles.id.push_back(static_cast<std::uint32_t>(filled.particles.id.size()));
       filled.particles.record.push_back(make_record(site, fluid, centre, region->top, volume, scene, coordinates));
     }
-    for (const Vec3& p : one.ghosts)
-      if (coordinates.inside(p)) {  // across a periodic border lies fluid, not a ghost
-        const Fixed3 at = coordinates.to_fixed(p);
-        filled.ghosts.push_back({at[0], at[1], at[2], 0, 0, 0, 0, static_cast<float>(-volume)});
+    for (const Ghost& ghost : one.ghosts)
+      if (coordinates.inside(ghost.position)) {  // across a periodic border lies fluid, not a ghost
+        const Fixed3 at = coordinates.to_fixed(ghost.position);
+        filled.ghosts.push_back({at[0], at[1], at[2], 0, 0, 0, 0, static_cast<float>(-ghost.volume)});
       }
     filled.fluids.push_back(properties);
     filled.reports.push_back({fluid.name, one.asked, one.volume, one.asked * fluid.density, one.volume * fluid.density,

@@ -9,6 +9,10 @@ namespace ballast::fluid {
 namespace {
 
 constexpr double kStillMove = 5e-4;  // spacings per round
+constexpr double kKeep = 0.8;  // of its last move that a particle makes again: a fifth of the rounds for the same end
+// Done, too, when so many rounds did not narrow the spread to this share of what it was before them.
+constexpr int kLook = 50;
+constexpr double kGain = 0.95;
 
 double spread(const std::vector<float>& delta) {
   double sum = 0, sum2 = 0;
@@ -27,6 +31,8 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
   items.set_static_samples(solid);
   Particles sorted;
   std::vector<float> delta, gradient;
+  std::vector<Vec3> last(particles.size(), Vec3::Zero());  // move of each particle, by id
+  double earlier = 0;
   const double step = 0.2 * spacing * spacing, longest = 0.1 * spacing;
   for (int round = 0; round < at_most; ++round) {
     sign_of_life();
@@ -35,13 +41,18 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
     sum_density(items, constants, delta, gradient);
     if (round == 0) report.spread_before = spread(delta);
     report.spread_after = spread(delta);
+    if (round % kLook == 0) {
+      if (round > 0 && report.spread_after > kGain * earlier) break;
+      earlier = report.spread_after;
+    }
     double largest = 0;
 #pragma omp parallel for num_threads(constants.threads) schedule(static) reduction(max : largest)
     for (std::size_t f = 0; f < sorted.size(); ++f) {
       Record& r = sorted.record[f];
-      Vec3 move = -step * Eigen::Vector3f::Map(&gradient[3 * f]).cast<double>();
+      Vec3 move = kKeep * last[sorted.id[f]] - step * Eigen::Vector3f::Map(&gradient[3 * f]).cast<double>();
       const double length = move.norm();
       if (length > longest) move *= longest / length;
+      last[sorted.id[f]] = move;
       largest = std::max(largest, std::min(length, longest));
       r.x += static_cast<std::uint32_t>(static_cast<std::int64_t>(std::lround(move[0] / coordinates.quantum[0])));
       r.y += static_cast<std::uint32_t>(static_cast<std::int64_t>(std::lround(move[1] / coordinates.quantum[1])));

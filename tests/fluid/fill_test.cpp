@@ -1,9 +1,11 @@
-// Filling: fluids that touch leave nothing between them, fluids that overlap are refused.
+// Filling: fluids that touch leave nothing between them, fluids that overlap are refused, and bodies that do not fit
+// the lattice leave as much fluid on each of their sides as there is room.
 #include "fluid_server/particles/fill.h"
 
 #include <gtest/gtest.h>
 
 #include "common/geometry/bodies.h"
+#include "fluid_server/step/wcsph.h"
 
 namespace ballast::fluid {
 namespace {
@@ -47,6 +49,64 @@ TEST(Fill, OverlappingFluidsAreRefusedByName) {
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().text().find("'right' overlaps"), std::string::npos) << result.error().text();
 }
+
+/// A box half under water between two channels, shifted by shares of a spacing against the lattice.
+class Shifted : public testing::TestWithParam<double> {
+ protected:
+  Shifted() {
+    scene_.world.dimension = 2;
+    scene_.world.spacing = kSpacing;
+    Model tank;
+    tank.name = "tank";
+    tank.motion = Motion::kStatic;
+    tank.shape.kind = ShapeKind::kOpenBox;
+    tank.shape.size = {2, 1, 1.5};
+    tank.pose.position = {0, -0.5, 0};
+    Model body;
+    body.name = "body";
+    body.shape.kind = ShapeKind::kBox;
+    body.shape.size = {1, 1, 0.5};
+    body.density = 500;
+    body.pose.position = {1 + GetParam() * kSpacing, 0, 1};
+    scene_.models = {tank, body};
+    Fluid water;
+    water.fill.box = {{0, -0.5, 0}, {2, 0.5, 1}};
+    scene_.fluids = {water};
+    bodies_ = *make_bodies(scene_);
+    fluid_ = *WcsphFluid::make(scene_, bodies_, 1);
+  }
+  std::vector<Vec3> places() const {
+    std::vector<Vec3> all;
+    for (const Record& r : fluid_->particles().record) all.push_back(fluid_->coordinates().to_metres(r.x, r.y, r.z));
+    return all;
+  }
+  static constexpr double kSpacing = 0.05;
+  Scene scene_;
+  std::vector<Body> bodies_;
+  std::unique_ptr<WcsphFluid> fluid_;
+};
+
+TEST_P(Shifted, EachChannelHoldsTheVolumeThatItHasRoomFor) {
+  const double left = 0.5 + GetParam() * kSpacing, right = 1 - left;
+  double in_left = 0, in_right = 0;
+  for (const Vec3& p : places()) {
+    if (p[2] < 0.75) continue;
+    (p[0] < 1 ? in_left : in_right) += fluid_->particles().record[0].volume;
+  }
+  const double particle = kSpacing * kSpacing;
+  EXPECT_NEAR(in_left, 0.25 * left, 1.5 * particle);
+  EXPECT_NEAR(in_right, 0.25 * right, 1.5 * particle);
+}
+
+TEST_P(Shifted, RelaxingEndsWithAnEvenFluidBelowItsSurface) {
+  const RelaxReport& relaxed = fluid_->relax_report();
+  EXPECT_LE(relaxed.last_move, 5e-3) << "after " << relaxed.moves << " rounds";
+  EXPECT_LT(relaxed.moves, 500);
+  EXPECT_LE(relaxed.spread_after, 0.005);
+  for (const Vec3& p : places()) EXPECT_LT(p[2], 1) << "a particle left through the surface at x = " << p[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(BySpacings, Shifted, testing::Values(0.0, 0.1, 0.25, 0.26, 0.4, 0.5));
 
 }  // namespace
 }  // namespace ballast::fluid
