@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
@@ -24,7 +23,6 @@ int main(int argc, char** argv) {
     setenv("GOMP_SPINCOUNT", "1000", 1);
     execv("/proc/self/exe", argv);
   }
-  std::signal(SIGINT, SIG_IGN);  // the coordinator hears it and ends the run
   auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kFluid);
   if (!segment) {
     std::fprintf(stderr, "fluid_server: %s\n", segment.error().text().c_str());

@@ -28,9 +28,10 @@ std::size_t index(Role role) { return static_cast<std::size_t>(role); }
                          const char* log, int report) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before the line above
-  // Ctrl-C and a closed terminal reach the whole group, and so does what a service manager sends: the coordinator alone
-  // decides what they mean.
-  for (int which : {SIGINT, SIGTERM, SIGHUP}) signal(which, SIG_IGN);
+  // Ctrl-C, a closed terminal and what a service manager sends reach the whole group: the coordinator alone decides
+  // what they mean. A signal to this process itself ends it, as its sender expects.
+  setpgid(0, 0);
+  signal(SIGTTOU, SIG_IGN);  // a background group may be stopped for writing to the terminal
   const int null = open("/dev/null", O_RDONLY);
   if (null >= 0) dup2(null, 0);
   const int out = *log != 0 ? open(log, O_WRONLY | O_CREAT | O_TRUNC, 0644) : -1;

@@ -2,6 +2,7 @@
 #include "launch/prepare.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -111,6 +112,40 @@ double fill_volume(const Fluid& fluid, const Prepared& p) {
 
 }  // namespace
 
+namespace {
+
+/// Refuses fluids without volume, and more particles than the machine can hold.
+Status check_fluids(const Prepared& prepared, const std::string& scene_file) {
+  const World& world = prepared.scene.world;
+  const double cell = std::pow(world.spacing, world.dimension);
+  double particles = 0;
+  for (const Fluid& fluid : prepared.scene.fluids) {
+    const double volume = fill_volume(fluid, prepared);
+    if (!(volume > 0.5 * cell))
+      return Error{fmt::format("fluid '{}' would fill {:.3g} m^3 once bodies are carved out, less than a particle of "
+                               "{:.3g} m^3",
+                               fluid.name, volume, cell),
+                   "move its fill to where there is room, or make world.spacing smaller",
+                   fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
+    particles += volume / cell;
+  }
+  const std::string cure = fmt::format("make world.spacing ({:.3g} m) larger or the fills smaller", world.spacing);
+  if (particles > 2e9)
+    return Error{fmt::format("the fluid would have about {:.2g} particles; 2e9 is the most", particles), cure,
+                 scene_file};
+  // Measured: ballast bench, and its solver's share in 3-D.
+  const double each = prepared.scene.numerics.pressure == Pressure::kImplicit ? 2000 : 600;
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (particles * each > memory)
+    return Error{fmt::format("the fluid would have about {:.2g} particles and need about {:.3g} GB; this machine has "
+                             "{:.3g} GB of memory",
+                             particles, particles * each * 1e-9, memory * 1e-9),
+                 cure, scene_file};
+  return ok();
+}
+
+}  // namespace
+
 double estimate_particles(const Prepared& prepared) {
   double volume = 0;
   for (const Fluid& fluid : prepared.scene.fluids) volume += fill_volume(fluid, prepared);
@@ -129,10 +164,7 @@ Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrid
     return Error{"there is nothing to simulate: no fluid and no model that moves",
                  "add a fluid or a model that is not static", scene_file};
   }
-  if (const double particles = estimate_particles(out); particles > 2e9)
-    return Error{fmt::format("the fluid would have about {:.2g} particles; 2e9 is the most", particles),
-                 fmt::format("make world.spacing ({:.3g} m) larger or the fills smaller", out.scene.world.spacing),
-                 scene_file};
+  if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
   return out;
 }

@@ -1,6 +1,5 @@
 // rigid_client --attach NAME [--engine ode]: the rigid process of a run whose segment exists.
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 
 #include "rigid_client/client.h"
@@ -17,7 +16,6 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ballast::kFine : ballast::kBadInput;
   }
-  std::signal(SIGINT, SIG_IGN);  // the coordinator hears it and ends the run
   auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kRigid);
   if (!segment) {
     std::fprintf(stderr, "rigid_client: %s\n", segment.error().text().c_str());

@@ -53,11 +53,18 @@ TEST(Children, DoNotOutliveTheirOwner) {
   std::filesystem::remove(file);
 }
 
-TEST(Children, IgnoreCtrlCBecauseTheCoordinatorDecides) {
+TEST(Children, HaveAGroupOfTheirOwnSoThatCtrlCReachesTheCoordinatorAlone) {
   Children children;
-  ASSERT_TRUE(children.start(Role::kFluid, shell("kill -INT $$; exit 3")));
+  ASSERT_TRUE(children.start(Role::kFluid, shell("test $(cut -d\" \" -f5 /proc/$$/stat) = $$ && exit 3")));
   EXPECT_TRUE(children.wait(5));
   EXPECT_EQ(children.how_ended(Role::kFluid), "ended with exit code 3");
+}
+
+TEST(Children, EndByASignalThatIsSentToThem) {
+  Children children;
+  ASSERT_TRUE(children.start(Role::kFluid, shell("kill -TERM $$; exit 3")));
+  EXPECT_TRUE(children.wait(5));
+  EXPECT_EQ(children.how_ended(Role::kFluid), "was killed by signal 15 (Terminated)");
 }
 
 }  // namespace

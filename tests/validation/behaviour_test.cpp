@@ -126,11 +126,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"NoYaml", "ballast: 1\nworld: { duration: 1 s, spacing: 0.1\nmodels^: [\n", ""}),
     [](const auto& each) { return std::string(each.param.name); });
 
-struct DeadPartner : Behaviour, ::testing::WithParamInterface<const char*> {};
+struct DeadPartner : Behaviour, ::testing::WithParamInterface<std::tuple<const char*, int>> {};
 
 TEST_P(DeadPartner, EndsTheRunWithinHalfASecondAndLeavesNothing) {
   Command run(scratch.path, {scene("stacked_blocks")});
-  const std::string victim = GetParam();
+  const auto [name, signal] = GetParam();
+  const std::string victim = name;
   const auto start = Clock::now();
   while (run.children().size() < 2 && Clock::now() - start < std::chrono::seconds(20))
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -139,18 +140,22 @@ TEST_P(DeadPartner, EndsTheRunWithinHalfASecondAndLeavesNothing) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   const auto children = run.children();
   ASSERT_EQ(children.size(), 2u) << run.text();
-  kill(children.at(victim), SIGKILL);
+  kill(children.at(victim), signal);
   const auto killed = Clock::now();
   EXPECT_EQ(run.wait(), 5) << run.text();
   EXPECT_LT(std::chrono::duration<double>(Clock::now() - killed).count(), 0.5);
   EXPECT_NE(run.text().find(victim == "fluid_server" ? "fluid process" : "rigid process"), std::string::npos);
-  EXPECT_NE(run.text().find("signal 9"), std::string::npos) << run.text();
-  for (const auto& [name, pid] : children) EXPECT_NE(kill(pid, 0), 0) << name << " still runs";
+  EXPECT_NE(run.text().find("signal " + std::to_string(signal)), std::string::npos) << run.text();
+  for (const auto& [process, pid] : children) EXPECT_NE(kill(pid, 0), 0) << process << " still runs";
   EXPECT_EQ(run.left_behind(), std::vector<std::string>{});
 }
 
-INSTANTIATE_TEST_SUITE_P(Processes, DeadPartner, ::testing::Values("fluid_server", "rigid_client"),
-                         [](const auto& each) { return std::string(each.param); });
+INSTANTIATE_TEST_SUITE_P(Processes, DeadPartner,
+                         ::testing::Combine(::testing::Values("fluid_server", "rigid_client"),
+                                            ::testing::Values(SIGKILL, SIGTERM, SIGINT)),
+                         [](const auto& each) {
+                           return std::get<0>(each.param) + ("_" + std::to_string(std::get<1>(each.param)));
+                         });
 
 }  // namespace
 }  // namespace ballast::testing
