@@ -30,7 +30,6 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
   collect(items, extras, sums, constants, states);
   find_accelerations(states, scheme);
   apply(items, states);
-  if (want_contacts_) gather_contacts(states);
 }
 
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
@@ -130,7 +129,15 @@ Vec3 Response::acceleration_of(std::uint32_t sample) const {
   return acceleration_[b].head<3>() + acceleration_[b].tail<3>().cross(arm) + spin_[b].cross(spin_[b].cross(arm));
 }
 
+void Response::push(std::uint32_t sample, const Vec3& arm, const Vec3& force) {
+  exchange::Wrench& wrench = wrenches_[samples_.body[sample]];
+  Vec3::Map(wrench.force) += force;
+  Vec3::Map(wrench.torque) += arm.cross(force);
+  final_force_[sample] += force.cast<float>();
+}
+
 void Response::gather_contacts(std::span<const exchange::BodyState> states) {
+  if (!want_contacts_) return;
   for (auto& patch : patches_) patch = {};
   for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {
     if (wet_stamp_[sample] != stamp_) continue;

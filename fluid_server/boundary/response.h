@@ -31,6 +31,11 @@ class Response {
   void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
              const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme);
 
+  /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
+  void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
+  /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
+  void gather_contacts(std::span<const exchange::BodyState> states);
+
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   /// Where the fluid touches each moving body, wet patches only.
   std::span<const exchange::Contact> contacts() const { return contacts_; }
@@ -54,7 +59,6 @@ class Response {
                const PassConstants& constants, std::span<const exchange::BodyState> states);
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
-  void gather_contacts(std::span<const exchange::BodyState> states);
 
   const Samples& samples_;
   int threads_;

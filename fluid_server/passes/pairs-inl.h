@@ -154,13 +154,11 @@ class Pairs {
     return total(w) + self_value(item);
   }
 
-  /// Row of the pressure system; samples carry 1 / sum V W in p.
-  HWY_INLINE RowSums row_sums(std::uint32_t item) const {
+  /// What a row of the pressure system needs. Keeps the pairs' gradients, their sum, and W of the pairs with samples.
+  HWY_INLINE RowSums row_sums(std::uint32_t item, float* gradient, float* values, PairGradients::Sum& whole) const {
     const F d;
-    const Record& own = items_.record[item];
-    const VF zero = hn::Zero(d), one = hn::Set(d, 1.f);
-    const VF own_volume = hn::Set(d, own.volume);
-    VF w = zero, fluid = zero, solid = zero, square = zero, cx = zero, cy = zero, cz = zero;
+    const VF zero = hn::Zero(d);
+    VF w = zero, fluid = zero, solid = zero, square = zero, sx = zero, sy = zero, sz = zero, from_samples = zero;
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope), value = kernel_.value(r.r2);
       const auto sample = hn::Lt(motion.d, zero);
@@ -168,43 +166,41 @@ class Pairs {
       const VF part = hn::Mul(vg, r.r2);
       fluid = hn::Sub(fluid, hn::IfThenZeroElse(sample, part));
       solid = hn::Sub(solid, hn::IfThenElseZero(sample, part));
-      const VF share = hn::IfThenElseZero(sample, hn::Mul(hn::Mul(own_volume, value), r.p));
-      const VF own_part = hn::Mul(vg, hn::Add(one, share));
-      cx = hn::MulAdd(own_part, r.x, cx);
-      cz = hn::MulAdd(own_part, r.z, cz);
-      if constexpr (Dim == 3) cy = hn::MulAdd(own_part, r.y, cy);
+      const VF sample_value = hn::IfThenElseZero(sample, value);
+      const VF gx = hn::Mul(vg, r.x), gz = hn::Mul(vg, r.z);
+      sx = hn::Add(sx, gx);
+      sz = hn::Add(sz, gz);
+      hn::StoreU(gx, d, gradient);
+      hn::StoreU(gz, d, gradient + kLanes);
+      if constexpr (Dim == 3) {
+        const VF gy = hn::Mul(vg, r.y);
+        sy = hn::Add(sy, gy);
+        hn::StoreU(gy, d, gradient + 2 * kLanes);
+      }
+      gradient += Dim * kLanes;
+      hn::StoreU(sample_value, d, values);
+      values += kLanes;
+      from_samples = hn::Add(from_samples, sample_value);
       const VF g2 = hn::Mul(hn::Mul(vg, r.slope), hn::Div(r.r2, densities(index)));
       square = hn::Add(square, hn::IfThenZeroElse(sample, g2));
     });
-    const float x = total(cx), y = total(cy), z = total(cz), rho = density(item);
-    return {total(w) + self_value(item), total(fluid) / std::max(Dim - total(solid), kLeastRoom * Dim),
-            own.volume * ((x * x + y * y + z * z) / rho + own.volume * total(square))};
+    whole = {total(sx), total(sy), total(sz), total(from_samples)};
+    const float room = 1 - total(solid) / Dim;
+    return {total(w) + self_value(item), total(fluid) / (Dim * std::max(room, kLeastRoom)), total(square)};
   }
 
-  /// Pressure extrapolated onto a sample.
-  HWY_INLINE float sample_pressure(std::uint32_t item, float inverse_w) const {
+  /// Keeps a sample's gradients, and V W of its neighbours.
+  HWY_INLINE void keep_sample(std::uint32_t item, float* gradient, float* values) const {
     const F d;
-    VF wp = hn::Zero(d);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
-      wp = hn::MulAdd(hn::Mul(hn::Max(motion.d, hn::Zero(d)), kernel_.value(r.r2)), r.p, wp);
+      const VF volume = hn::Max(motion.d, hn::Zero(d)), vg = hn::Mul(volume, r.slope);
+      hn::StoreU(hn::Mul(vg, r.x), d, gradient);
+      hn::StoreU(hn::Mul(vg, r.z), d, gradient + kLanes);
+      if constexpr (Dim == 3) hn::StoreU(hn::Mul(vg, r.y), d, gradient + 2 * kLanes);
+      gradient += Dim * kLanes;
+      hn::StoreU(hn::Mul(volume, kernel_.value(r.r2)), d, values);
+      values += kLanes;
     });
-    return inverse_w * total(wp);
-  }
-
-  /// Acceleration by pressure alone.
-  HWY_INLINE Flow pressure_acceleration(std::uint32_t item) const {
-    const F d;
-    const Record& own = items_.record[item];
-    const VF pi = hn::Set(d, own.p);
-    VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
-    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
-      const VF s = hn::Mul(hn::Mul(hn::Abs(motion.d), r.slope), hn::Add(pi, r.p));
-      ax = hn::NegMulAdd(s, r.x, ax);
-      az = hn::NegMulAdd(s, r.z, az);
-      if constexpr (Dim == 3) ay = hn::NegMulAdd(s, r.y, ay);
-    });
-    const float mobility = 1 / density(item);
-    return {total(ax) * mobility, Dim == 3 ? total(ay) * mobility : 0.f, total(az) * mobility, own.volume};
   }
 
   /// Flux into a sample over sum V W: V_b sum V_k g (x_k - x_b).(v_k - v_b) / sum V W.

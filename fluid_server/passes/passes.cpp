@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 #include "fluid_server/passes/lists-inl.h"
 #include "fluid_server/passes/pairs-inl.h"
+#include "fluid_server/passes/products-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -81,6 +82,13 @@ void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const P
 }
 
 template <int Dim, KernelKind K>
+void AccelerateSome(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    std::span<const std::uint32_t> particles, float* a) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for (std::size_t k = 0; k < particles.size(); ++k) pairs.acceleration(items.fluid_item[particles[k]], a + 3 * k);
+}
+
+template <int Dim, KernelKind K>
 void SumAll(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
@@ -91,58 +99,108 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
 }
 
 template <int Dim, KernelKind K>
-void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums) {
+void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
+             PairGradients& kept) {
   const Pairs<Dim, K> pairs(items, extras, constants);
+  const auto gradients = [&](std::uint32_t item) { return const_cast<float*>(kept.gradients(items.lists, item, Dim)); };
+  const auto values = [&](std::uint32_t item) { return const_cast<float*>(kept.values(items.lists, item)); };
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f) sums[f] = pairs.row_sums(items.fluid_item[f]);
+                   for (std::uint32_t f = begin; f < end; ++f) {
+                     const std::uint32_t item = items.fluid_item[f];
+                     sums[f] = pairs.row_sums(item, gradients(item), values(item), kept.sum[f]);
+                   }
+                 });
+  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t s = begin; s < end; ++s) {
+                     const std::uint32_t item = items.sample_item[s];
+                     pairs.keep_sample(item, gradients(item), values(item));
+                   }
                  });
 }
 
-/// Fluxes of the samples into their p, then the divergence at every particle; within a parallel region.
-template <class P>
-HWY_INLINE void diverge(const P& pairs, Neighbourhood& items, const float* inverse_w, const Flow* flow, float* out) {
-  const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
-  const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
-#pragma omp for schedule(dynamic, Lists::kChunk)
-  for (std::uint32_t s = 0; s < samples; ++s)
-    if (inverse_w[s] > 0) {
-      const std::uint32_t item = items.sample_item[s];
-      items.record[item].p = pairs.sample_flux(item, inverse_w[s], flow);
-    }
-#pragma omp for schedule(dynamic, Lists::kChunk)
-  for (std::uint32_t f = 0; f < particles; ++f) out[f] = pairs.volume_divergence(items.fluid_item[f], flow);
+template <int Dim>
+void AverageAll(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs, const float* x,
+                float* out) {
+  const Products<Dim> products(items.lists, pairs);
+  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.pressure[items.fluid_item[f]] = x[f];
+  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t s = begin; s < end; ++s) out[s] = products.mean(items.sample_item[s]);
+                 });
 }
 
-template <int Dim, KernelKind K>
-void ApplyAll(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
-              Flow* flow, float* out) {
-  const Pairs<Dim, K> pairs(items, extras, constants);
+template <int Dim>
+void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                 const float* inverse_w, const RowSums* sums, PairGradients& pairs, float* out) {
+  const Products<Dim> products(items.lists, pairs);
+  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.pressure[items.fluid_item[f]] = 0;
+  for (std::size_t s = 0; s < items.sample_item.size(); ++s) pairs.pressure[items.sample_item[s]] = inverse_w[s];
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f) {
+                     const std::uint32_t item = items.fluid_item[f];
+                     const float volume = items.record[item].volume;
+                     const float density = extras.density[constants.several_densities ? item : 0];
+                     out[f] =
+                         volume * (products.own_square(item, pairs.sum[f], volume) / density + volume * sums[f].square);
+                   }
+                 });
+}
+
+template <int Dim>
+void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+              const float* inverse_w, PairGradients& pairs, const float* x, Flow* flow, float* out) {
+  const Products<Dim> products(items.lists, pairs);
   const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
   const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
+  float* pressure = pairs.pressure.data();
 #pragma omp parallel num_threads(constants.threads)
   {
+#pragma omp for schedule(static)
+    for (std::uint32_t f = 0; f < particles; ++f) pressure[items.fluid_item[f]] = x[f];
 #pragma omp for schedule(dynamic, Lists::kChunk)
     for (std::uint32_t s = 0; s < samples; ++s) {
       const std::uint32_t item = items.sample_item[s];
       flow[item] = {0, 0, 0, items.record[item].volume};
-      items.record[item].p = inverse_w[s] > 0 ? pairs.sample_pressure(item, inverse_w[s]) : 0.f;
+      pressure[item] = inverse_w[s] > 0 ? products.sample_pressure(item, inverse_w[s]) : 0.f;
     }
 #pragma omp for schedule(dynamic, Lists::kChunk)
     for (std::uint32_t f = 0; f < particles; ++f) {
       const std::uint32_t item = items.fluid_item[f];
-      flow[item] = pairs.pressure_acceleration(item);
+      const float density = extras.density[constants.several_densities ? item : 0];
+      flow[item] = products.acceleration(item, pairs.sum[f], 1 / density, items.record[item].volume);
     }
-    diverge(pairs, items, inverse_w, flow, out);
+#pragma omp for schedule(dynamic, Lists::kChunk)
+    for (std::uint32_t s = 0; s < samples; ++s)
+      if (inverse_w[s] > 0) {
+        const std::uint32_t item = items.sample_item[s];
+        pressure[item] = products.sample_flux(item, inverse_w[s], flow);
+      }
+#pragma omp for schedule(dynamic, Lists::kChunk)
+    for (std::uint32_t f = 0; f < particles; ++f)
+      out[f] = products.volume_divergence(items.fluid_item[f], pairs.sum[f], flow);
   }
 }
 
+/// Fluxes of the samples into their p, then the divergence at every particle.
 template <int Dim, KernelKind K>
 void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
                 float* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
-#pragma omp parallel num_threads(constants.threads)
-  diverge(pairs, items, inverse_w, flow, out);
+  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t s = begin; s < end; ++s) {
+                     const std::uint32_t item = items.sample_item[s];
+                     if (inverse_w[s] > 0) items.record[item].p = pairs.sample_flux(item, inverse_w[s], flow);
+                   }
+                 });
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     out[f] = pairs.volume_divergence(items.fluid_item[f], flow);
+                 });
 }
 
 /// Calls what<Dim, K> for the kernel in use.
@@ -168,19 +226,35 @@ void Gather(const Neighbourhood& items, const ItemExtras& extras, const PassCons
 void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
   BALLAST_BY_KERNEL(AccelerateAll, constants.kernel, items, extras, constants, a);
 }
+void AccelerateThese(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                     std::span<const std::uint32_t> particles, float* a) {
+  BALLAST_BY_KERNEL(AccelerateSome, constants.kernel, items, extras, constants, particles, a);
+}
 void Sum(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   BALLAST_BY_KERNEL(SumAll, constants.kernel, items, constants, delta, gradient);
 }
-void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums) {
-  BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums);
+void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
+          PairGradients& pairs) {
+  BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums, pairs);
 }
-void Apply(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
-           Flow* flow, float* out) {
-  BALLAST_BY_KERNEL(ApplyAll, constants.kernel, items, extras, constants, inverse_w, flow, out);
+void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
+           PairGradients& pairs, const float* x, Flow* flow, float* out) {
+  const auto apply = constants.kernel.dimension == 2 ? ApplyAll<2> : ApplyAll<3>;
+  apply(items, extras, constants, inverse_w, pairs, x, flow, out);
 }
 void Diverge(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
              float* out) {
   BALLAST_BY_KERNEL(DivergeAll, constants.kernel, items, constants, inverse_w, flow, out);
+}
+void Average(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs, const float* x,
+             float* out) {
+  const auto average = constants.kernel.dimension == 2 ? AverageAll<2> : AverageAll<3>;
+  average(items, constants, pairs, x, out);
+}
+void Diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+              const float* inverse_w, const RowSums* sums, PairGradients& pairs, float* out) {
+  const auto diagonal = constants.kernel.dimension == 2 ? DiagonalAll<2> : DiagonalAll<3>;
+  diagonal(items, extras, constants, inverse_w, sums, pairs, out);
 }
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
@@ -195,8 +269,11 @@ HWY_EXPORT(Build);
 HWY_EXPORT(Advance);
 HWY_EXPORT(Gather);
 HWY_EXPORT(Accelerate);
+HWY_EXPORT(AccelerateThese);
 HWY_EXPORT(Sum);
 HWY_EXPORT(Rows);
+HWY_EXPORT(Average);
+HWY_EXPORT(Diagonal);
 HWY_EXPORT(Apply);
 HWY_EXPORT(Diverge);
 HWY_EXPORT(Name);
@@ -224,6 +301,11 @@ void accelerate(const Neighbourhood& items, const ItemExtras& extras, const Pass
   acceleration.resize(3 * items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Accelerate)(items, extras, constants, acceleration.data());
 }
+void accelerate_some(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                     std::span<const std::uint32_t> particles, std::vector<float>& acceleration) {
+  acceleration.resize(3 * particles.size());
+  HWY_DYNAMIC_DISPATCH(AccelerateThese)(items, extras, constants, particles, acceleration.data());
+}
 void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
                  std::vector<float>& gradient) {
   delta.resize(items.fluid_item.size());
@@ -231,15 +313,38 @@ void sum_density(const Neighbourhood& items, const PassConstants& constants, std
   HWY_DYNAMIC_DISPATCH(Sum)(items, constants, delta.data(), gradient.data());
 }
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              std::vector<RowSums>& sums) {
+              std::vector<RowSums>& sums, PairGradients& pairs) {
+  const std::size_t buffers = items.lists.buffer.size(), axes = static_cast<std::size_t>(constants.kernel.dimension);
   sums.resize(items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data());
+  pairs.sum.resize(items.fluid_item.size());
+  pairs.pressure.resize(items.record.size());
+  pairs.gradient.resize(buffers);
+  pairs.value.resize(buffers);
+  for (std::size_t b = 0; b < buffers; ++b) {
+    const std::size_t size = items.lists.buffer[b].size();
+    if (pairs.value[b].size() >= size) continue;
+    pairs.gradient[b].resize(axes * size);
+    pairs.value[b].resize(size);
+  }
+  HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data(), pairs);
 }
-void apply_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, std::vector<Flow>& flow, std::vector<float>& out) {
+void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs,
+                          std::span<const float> x, std::vector<float>& out) {
+  out.resize(items.sample_item.size());
+  HWY_DYNAMIC_DISPATCH(Average)(items, constants, pairs, x.data(), out.data());
+}
+void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, PairGradients& pairs,
+                   std::vector<float>& out) {
+  out.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Diagonal)(items, extras, constants, inverse_w.data(), sums.data(), pairs, out.data());
+}
+void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    const std::vector<float>& inverse_w, PairGradients& pairs, std::span<const float> x,
+                    std::vector<Flow>& flow, std::vector<float>& out) {
   flow.resize(items.record.size());
   out.resize(items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, inverse_w.data(), flow.data(), out.data());
+  HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, inverse_w.data(), pairs, x.data(), flow.data(), out.data());
 }
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
                       const std::vector<Flow>& flow, std::vector<float>& out) {

@@ -2,6 +2,7 @@
 // Symbols: r = x_i - x_j, g = W'(r)/r, so grad_i W_ij = g r; V rest volume, p pressure, v velocity, rho rest density.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "fluid_server/kernel.h"
@@ -73,6 +74,10 @@ void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const 
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                 std::vector<float>& acceleration);
 
+/// The same for some particles, in their order.
+void accelerate_some(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                     std::span<const std::uint32_t> particles, std::vector<float>& acceleration);
+
 /// Summed density sum V_j W (self included) and its gradient sum V_j g r of every particle, x y z in turn; samples
 /// count.
 void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
@@ -86,7 +91,7 @@ void sum_density(const Neighbourhood& items, const PassConstants& constants, std
 struct RowSums {
   float delta;     ///< sum V_j W, self included; samples count
   float fullness;  ///< fluid's share of the room that solids leave, by -sum V_j g r^2: 1 inside, less at a surface
-  float diagonal;  ///< of G^T M^-1 G, without what a sample hands on to others
+  float square;    ///< sum over fluid neighbours of V_j g^2 r^2 / rho_j
 };
 
 /// Velocity or acceleration per item beside its record, so that a pass can write one and read the other.
@@ -94,14 +99,44 @@ struct Flow {
   float x, y, z, volume;  ///< volume as in Record
 };
 
-/// Row sums of every particle. Reads the reciprocal of sum V W of each sample from its record's p.
-void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              std::vector<RowSums>& sums);
+/// Gradients and kernel values of all pairs, kept for the products of one solve. Every list of neighbours has its
+/// entries at the same place in these buffers: gradients in blocks of one vector per axis (x, z, y).
+struct PairGradients {
+  struct Sum {
+    float x, y, z;          ///< sum V_j g r
+    float touches_samples;  ///< 0: no sample among the neighbours
+  };
+  std::vector<std::vector<float>> gradient;  ///< V_j g r
+  std::vector<std::vector<float>> value;     ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
+  std::vector<Sum> sum;                      ///< per particle
+  std::vector<float> pressure;               ///< per item: what the product at hand reads
+  const float* gradients(const Lists& lists, std::uint32_t item, std::uint32_t axes) const {
+    return gradient[lists.buffer_of_chunk[item / Lists::kChunk]].data() + std::size_t{axes} * lists.start[item];
+  }
+  const float* values(const Lists& lists, std::uint32_t item) const {
+    return value[lists.buffer_of_chunk[item / Lists::kChunk]].data() + lists.start[item];
+  }
+};
 
-/// out = G^T M^-1 G p for the pressures in the fluid's records, per particle; solids at rest. Leaves the accelerations
-/// M^-1 G p in `flow` and writes over p of the samples. `inverse_w`: 1 / sum V W per sample, 0 where dry.
-void apply_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, std::vector<Flow>& flow, std::vector<float>& out);
+/// Row sums of every particle, and the gradients of all pairs.
+void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+              std::vector<RowSums>& sums, PairGradients& pairs);
+
+/// out = mean over each sample's particles of x, weighted by V W; 0 where dry.
+void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs,
+                          std::span<const float> x, std::vector<float>& out);
+
+/// out = diagonal of G^T M^-1 G, per particle, without what a sample hands on to others.
+void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, PairGradients& pairs,
+                   std::vector<float>& out);
+
+/// out = G^T M^-1 G x, per particle; solids at rest. Leaves the accelerations M^-1 G x in `flow`. `inverse_w` per
+/// sample: what it multiplies sum V W p by to extrapolate, 1 / sum V W or less, 0 where dry; `pairs` from sum_rows of
+/// the same lists.
+void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    const std::vector<float>& inverse_w, PairGradients& pairs, std::span<const float> x,
+                    std::vector<Flow>& flow, std::vector<float>& out);
 
 /// out = G^T v for the velocities in `flow`, those of the samples included: volume times divergence, per particle.
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,

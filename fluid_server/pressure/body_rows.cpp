@@ -23,7 +23,8 @@ Matrix6 root_of(const Matrix6& m) {
 }  // namespace
 
 void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
-                     const std::vector<SampleSums>& sums, const PassConstants& constants, double dt) {
+                     const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
+                     const PassConstants& constants, double dt) {
   threads_ = constants.threads;
   root_.assign(states.size(), Matrix6::Zero());
   free_.assign(states.size(), 0);
@@ -48,7 +49,7 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
   std::vector<std::vector<Row>> part(blocks);
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t block = 0; block < blocks; ++block)
-    add_rows(items, samples, sums, constants, static_cast<std::uint32_t>(block * kSumBlock),
+    add_rows(items, samples, sums, inverse_w, constants, static_cast<std::uint32_t>(block * kSumBlock),
              static_cast<std::uint32_t>(std::min(particles, (block + 1) * kSumBlock)), part[block]);
   row_.clear();
   for (const auto& some : part) row_.insert(row_.end(), some.begin(), some.end());
@@ -74,8 +75,8 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
 /// A unit of pressure in particle i pushes sample s by -V_s V_i g (x_s - x_i) directly, and through what the sample
 /// extrapolates, V_i W / sum V W, by that share of the sample's area -V_s sum V_k g (x_s - x_k).
 void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
-                        const PassConstants& constants, std::uint32_t begin, std::uint32_t end,
-                        std::vector<Row>& out) const {
+                        const std::vector<float>& inverse_w, const PassConstants& constants, std::uint32_t begin,
+                        std::uint32_t end, std::vector<Row>& out) const {
   const Coordinates& coordinates = items.coordinates();
   const Eigen::Vector3f quantum = coordinates.quantum.cast<float>();
   for (std::uint32_t f = begin; f < end; ++f) {
@@ -93,7 +94,7 @@ void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, cons
       if (constants.kernel.dimension == 2) r[1] = 0;
       const double distance = r.norm();
       const float volume = -other.volume, slope = static_cast<float>(constants.kernel.slope_over_r(distance));
-      const float share = own.volume * static_cast<float>(constants.kernel.value(distance)) / sums[s].w;
+      const float share = own.volume * static_cast<float>(constants.kernel.value(distance)) * inverse_w[s];
       const Eigen::Vector3f push = -volume * (own.volume * slope * r + share * Eigen::Vector3f::Map(sums[s].g));
       const Eigen::Vector3f turn = arm_[s].cross(push);
       const std::uint32_t body = samples.body[items.source[list[k]] & ~Neighbourhood::kSample];

@@ -16,9 +16,11 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 class BodyRows {
  public:
-  /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples.
+  /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples, `inverse_w` by which a
+  /// sample weighs the pressures that it extrapolates, per sample.
   void build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
-             const std::vector<SampleSums>& sums, const PassConstants& constants, double dt);
+             const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w, const PassConstants& constants,
+             double dt);
   bool empty() const { return row_.empty(); }
   bool moves(std::size_t body) const { return first_[body] < first_[body + 1]; }
 
@@ -46,7 +48,8 @@ class BodyRows {
   template <class Add>
   void for_each_row(std::span<const Vector6> y, Add&& add) const;
   void add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
-                const PassConstants& constants, std::uint32_t begin, std::uint32_t end, std::vector<Row>& out) const;
+                const std::vector<float>& inverse_w, const PassConstants& constants, std::uint32_t begin,
+                std::uint32_t end, std::vector<Row>& out) const;
 
   int threads_ = 1;
   std::vector<Row> row_;                        // in order of particles

@@ -10,8 +10,9 @@ namespace ballast::fluid {
 
 namespace {
 
-constexpr float kDensitySource = 0.2f;          // beta: share of the compression that a step takes back
-constexpr float kLargestSource = 0.1f;          // of a step: overlaps are let out slowly
+constexpr float kNoise = 0.003f;                // compression that disorder alone may show
+constexpr float kLag = 0.02f;                   // by how much the compression may be below the summed density
+constexpr float kGentle = 0.2f;                 // share of that much compression that a step takes back
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
@@ -19,8 +20,11 @@ constexpr std::size_t kHistory = 5;
 // Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
 constexpr double kYielding = 0.05;
 
-/// The part of a compression that a step looks at; it takes back kDensitySource of it.
-float source_of(float compression) { return std::clamp(compression, -kLargestSource, kLargestSource); }
+/// The compression that a step takes back: what disorder makes gently, so that it does not become noise of the
+/// pressure, what is beyond at once.
+float source_of(float compression) {
+  return kGentle * std::min(compression, kNoise) + std::max(compression - kNoise, 0.f);
+}
 
 }  // namespace
 
@@ -43,36 +47,38 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
     }
   });
   gather_samples(items, extras, constants, sums);
+  sum_rows(items, extras, constants, rows_, pairs_);
+  find_shares();
+  scale(sums);
   response.solve(items, extras, sums, constants, states, Scheme::kStaggered);
   accelerate(items, extras, constants, acceleration_);
 
   inverse_w_.resize(sums.size());
   for_blocks(sums.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s)
-      items.record[items.sample_item[s]].p = inverse_w_[s] = sums[s].w > 0 ? 1 / sums[s].w : 0.f;
+    for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
   });
-  sum_rows(items, extras, constants, rows_);
   correct_compression(particles);
   predict(states, response);
   apply_divergence(items, constants, inverse_w_, flow_, divergence_);
-  bodies_.build(items, samples_, states, sums, constants, dt_);
+  bodies_.build(items, samples_, states, sums, inverse_w_, constants, dt_);
+  find_diagonal(items, extras, constants, inverse_w_, rows_, pairs_, diagonal_);
 
-  diagonal_.resize(n), yielding_.resize(n), right_.resize(n), bounded_.resize(n);
+  yielding_.resize(n), right_.resize(n), bounded_.resize(n);
   const double dt2 = dt_ * dt_;
   const auto [mean_diagonal] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
-    for (std::size_t f = begin; f < end; ++f) sum += rows_[f].diagonal * dt2;
+    for (std::size_t f = begin; f < end; ++f) sum += diagonal_[f] * dt2;
     return std::array<double, 1>{sum};
   });
   const float least = static_cast<float>(kYielding * mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const float diagonal = static_cast<float>(rows_[f].diagonal * dt2);
+      const float diagonal = static_cast<float>(diagonal_[f] * dt2);
       diagonal_[f] = std::max(diagonal, least);
       yielding_[f] = diagonal_[f] - diagonal;
       bounded_[f] = rows_[f].fullness < kInside;
-      right_[f] = particles.record[f].volume * kDensitySource * source_of(particles.compression[f]) -
-                  static_cast<float>(dt_ * divergence_[f]);
+      right_[f] =
+          particles.record[f].volume * source_of(particles.compression[f]) - static_cast<float>(dt_ * divergence_[f]);
     }
   });
   if (!bodies_.empty()) bodies_.factor(diagonal_);
@@ -85,7 +91,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float volume = particles.record[f].volume;
-      particles.compression[f] -= kDensitySource * source_of(particles.compression[f]) + mprgp_.gradient()[f] / volume;
+      particles.compression[f] -= source_of(particles.compression[f]) + mprgp_.gradient()[f] / volume;
       particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
     }
   });
@@ -99,9 +105,33 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   report_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// At the line where surface and wall meet, samples see the fluid move away along the wall, and the transposed
+/// divergence would hand that to the particles as expansion: they would be drawn into the wall. What a sample
+/// extrapolates therefore counts as far as the particles that it sees lie inside the fluid.
+void ImplicitPressure::find_shares() {
+  constexpr float kOutside = 0.7f, kWithin = 0.85f;  // fullness of a particle that lies not at all, fully inside
+  constexpr float kNone = 0.5f, kAll = 0.9f;         // share of such particles with which a sample counts not, fully
+  const std::size_t n = particles_->size();
+  inside_.resize(n);
+  for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      inside_[f] = std::clamp((rows_[f].fullness - kOutside) / (kWithin - kOutside), 0.f, 1.f);
+  });
+  average_onto_samples(*items_, *constants_, pairs_, inside_, share_);
+  for (float& share : share_) share = std::clamp((share - kNone) / (kAll - kNone), 0.f, 1.f);
+}
+
+void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    sums[s].wp *= share_[s];
+    for (float& x : sums[s].wr) x *= share_[s];
+  }
+}
+
 /// Compression follows the divergence, which keeps the volume but forgets positions. Inside the fluid it is pulled to
 /// the summed density, less the mean excess that disorder gives every such sum (1 % in 2-D: the level would rise by as
-/// much); at a surface the sum is short of neighbours, but never less than the truth when it is above.
+/// much), and never far below it: a particle in a gap between solids may not hide what is around it. At a surface the
+/// sum is short of neighbours, but never less than the truth when it is above.
 void ImplicitPressure::correct_compression(Particles& particles) {
   const auto [sum, number] =
       sum_blocks<2>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
@@ -121,11 +151,21 @@ void ImplicitPressure::correct_compression(Particles& particles) {
       if (rows_[f].fullness < kSpray)
         e = seen;
       else if (rows_[f].fullness > kInside)
-        e += kPull * (seen - bias - e);
+        e = std::max(e + kPull * (seen - bias - e), seen - bias - kLag);
       else
         e = std::max(e, seen);
     }
   });
+  float worst = 0;
+  for (const float e : particles.compression) worst = std::max(worst, e);
+  const auto [compressed] =
+      sum_blocks<1>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+        double total = 0;
+        for (std::size_t f = begin; f < end; ++f) total += std::max(particles.compression[f], 0.f);
+        return std::array<double, 1>{total};
+      });
+  report_.found_mean = compressed / static_cast<double>(std::max<std::size_t>(particles.size(), 1));
+  report_.found_max = worst;
 }
 
 /// Velocities at the end of the step without the fluid's pressure.
@@ -166,12 +206,8 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
 }
 
 void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {
-  Neighbourhood& items = *items_;
   const std::size_t n = x.size();
-  for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) items.record[items.fluid_item[f]].p = x[f];
-  });
-  apply_pressure(items, *extras_, *constants_, inverse_w_, flow_, out);
+  apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, out);
   const float dt2 = static_cast<float>(dt_ * dt_);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) out[f] = dt2 * out[f] + yielding_[f] * x[f];
@@ -227,8 +263,7 @@ void ImplicitPressure::estimate_norm() {
   for (std::size_t f = 0; f < n; ++f) x[f] = (f * 2654435761u >> 16 & 1) ? 1.f : -1.f;
   fluid_norm_ = 2;
   for (int k = 0; k < 20; ++k) {
-    for (std::size_t f = 0; f < n; ++f) items_->record[items_->fluid_item[f]].p = x[f];
-    apply_pressure(*items_, *extras_, *constants_, inverse_w_, flow_, y);
+    apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, y);
     double xx = 0, yy = 0;
     for (std::size_t f = 0; f < n; ++f) {
       y[f] *= static_cast<float>(dt_ * dt_) / diagonal_[f];
@@ -244,8 +279,12 @@ std::size_t ImplicitPressure::memory() const {
   const auto floats = inverse_w_.capacity() + yielding_.capacity() + diagonal_.capacity() + right_.capacity() +
                       pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() +
                       7 * pressure_.capacity();
-  return floats * sizeof(float) + rows_.capacity() * sizeof(RowSums) + flow_.capacity() * sizeof(Flow) +
-         bodies_.memory();
+  std::size_t kept = 0;
+  for (const auto& buffer : pairs_.gradient) kept += buffer.capacity();
+  for (const auto& buffer : pairs_.value) kept += buffer.capacity();
+  return (floats + kept + pairs_.pressure.capacity()) * sizeof(float) +
+         pairs_.sum.capacity() * sizeof(PairGradients::Sum) + rows_.capacity() * sizeof(RowSums) +
+         flow_.capacity() * sizeof(Flow) + bodies_.memory();
 }
 
 }  // namespace ballast::fluid

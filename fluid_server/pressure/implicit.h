@@ -26,6 +26,8 @@ struct ImplicitOptions {
 struct ImplicitReport {
   std::uint64_t solves = 0, products = 0, most = 0, expansions = 0, refused = 0, unreached = 0;
   double residual = 0;        ///< mean density error left by the last solve
+  double found_mean = 0;      ///< compression that the last step began with, mean over particles
+  double found_max = 0;       ///< and largest
   double worst_residual = 0;  ///< of all
   double seconds = 0;         ///< inside the solver
 };
@@ -41,6 +43,10 @@ class ImplicitPressure : private QuadraticProgram {
              std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums,
              const ImplicitOptions& options);
 
+  /// By what a sample's share of the particles' pressure is scaled, into the sums of gather_samples: for the forces of
+  /// the pressure that was found, which the solve itself has scaled.
+  void scale(std::vector<SampleSums>& sums) const;
+
   const ImplicitReport& report() const { return report_; }
   /// Acceleration of each body that the solve foresaw: linear, angular.
   std::span<const Vector6> foreseen() const { return foreseen_; }
@@ -52,6 +58,7 @@ class ImplicitPressure : private QuadraticProgram {
   bool good(std::span<const float> x, std::span<const float> gradient) override;
   bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
 
+  void find_shares();
   void correct_compression(Particles& particles);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
@@ -69,6 +76,8 @@ class ImplicitPressure : private QuadraticProgram {
   Mprgp mprgp_;
   BodyRows bodies_;
   std::vector<RowSums> rows_;
+  PairGradients pairs_;
+  std::vector<float> inside_, share_;  // find_shares
   std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_;
   std::vector<std::uint8_t> bounded_;
   std::vector<Flow> flow_;

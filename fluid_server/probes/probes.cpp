@@ -124,16 +124,16 @@ std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
 std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,
                             std::span<const exchange::BodyState> states) {
   const double tolerance = 0.5 * fluid.spacing();
-  std::vector<std::size_t> containers;
+  bool contained = false;  // a hull that floats holds nothing back
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (bodies[b].solid.is_container()) containers.push_back(b);
+    contained |= bodies[b].solid.is_container() && scene.models[b].motion != Motion::kDynamic;
   const Particles& particles = fluid.particles();
   std::size_t misplaced = 0;
 #pragma omp parallel for num_threads(fluid.constants().threads) schedule(static) reduction(+ : misplaced)
   for (std::size_t f = 0; f < particles.size(); ++f) {
     const Record& r = particles.record[f];
     const Vec3 p = fluid.coordinates().to_metres(r.x, r.y, r.z);
-    bool held = containers.empty(), inside = false;
+    bool held = !contained, inside = false;
     for (std::size_t b = 0; b < bodies.size() && !inside; ++b) {
       const Vec3 position = Vec3::Map(states[b].position);
       const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2],
@@ -147,7 +147,6 @@ std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies,
     }
     if (inside || !held) ++misplaced;
   }
-  (void)scene;
   return misplaced;
 }
 

@@ -56,7 +56,10 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   }
   const Stopwatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
+  if (implicit_) implicit_->scale(sums_);
   response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kStaggered : scheme_);
+  barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
+  response_->gather_contacts(states);
 }
 
 void WcsphFluid::prepare_extras() {
@@ -79,6 +82,8 @@ void WcsphFluid::move() {
   {
     const Stopwatch watch(times_.motion);
     accelerate(*items_, extras_, constants_, acceleration_);
+    for (const Barrier::Push& push : barrier_->pushes())
+      Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
     const double dt = constants_.dt;
     double speed2 = 0, acceleration2 = 0, check = 0;
     std::uint64_t left = 0;
@@ -161,7 +166,8 @@ Measures WcsphFluid::measure() const {
       if (!implicit_) m.elastic += 0.5 * r.volume * static_cast<double>(r.p) * r.p / stiffness;
       m.momentum += mass * v;
       m.angular_momentum += mass * x.cross(v);
-      const double e = implicit_ ? std::max(particles_.compression[f], 0.f) : std::abs(r.p) / stiffness;
+      if (implicit_) continue;
+      const double e = std::abs(r.p) / stiffness;
       m.compression_mean += e;
       m.compression_max = std::max(m.compression_max, e);
     }
@@ -178,6 +184,8 @@ Measures WcsphFluid::measure() const {
     total.compression_max = std::max(total.compression_max, m.compression_max);
   }
   if (particles_.size()) total.compression_mean /= static_cast<double>(particles_.size());
+  if (implicit_)
+    total.compression_mean = implicit_->report().found_mean, total.compression_max = implicit_->report().found_max;
   return total;
 }
 

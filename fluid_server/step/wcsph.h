@@ -10,6 +10,7 @@
 
 #include "common/geometry/bodies.h"
 #include "common/result.h"
+#include "fluid_server/boundary/barrier.h"
 #include "fluid_server/boundary/response.h"
 #include "fluid_server/particles/fill.h"
 #include "fluid_server/particles/relax.h"
@@ -36,12 +37,13 @@ struct Measures {
   Vec3 momentum = Vec3::Zero();                      ///< kg m/s
   Vec3 angular_momentum = Vec3::Zero();              ///< about the origin, kg m^2/s
   double mass = 0;                                   ///< kg
-  double compression_mean = 0, compression_max = 0;  ///< |p| / (rho c^2); implicit: what is left
+  double compression_mean = 0, compression_max = 0;  ///< |p| / (rho c^2); implicit: e that the last step began with
 };
 
 class WcsphFluid {
  public:
-  /// Large scenes take minutes to set up: `sign_of_life` is called now and then, in quiet_start() too.
+  /// `bodies` must outlive the fluid. Large scenes take minutes to set up: `sign_of_life` is called now and then, in
+  /// quiet_start() too.
   static Result<std::unique_ptr<WcsphFluid>> make(
       const Scene& scene, const std::vector<Body>& bodies, int threads, std::function<void()> sign_of_life = [] {});
 
@@ -75,6 +77,8 @@ class WcsphFluid {
   std::uint64_t hash() const;  ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
   const ImplicitPressure* implicit() const { return implicit_.get(); }  ///< null: weakly compressible
+
+  const BarrierReport& barrier() const { return barrier_->report(); }
   std::size_t memory() const;  ///< bytes of all arrays that live through a step
 
  private:
@@ -93,6 +97,7 @@ class WcsphFluid {
   std::unique_ptr<Samples> samples_;
   std::unique_ptr<Neighbourhood> items_;
   std::unique_ptr<Response> response_;
+  std::unique_ptr<Barrier> barrier_;
   ItemExtras extras_;
   std::vector<float> pressure_, acceleration_;
   std::vector<SampleSums> sums_;

@@ -151,6 +151,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
         buoyancy[b] = -self.filled_.fluids[0].density * bodies[b].solid.mass_properties().volume * scene.world.gravity;
   self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), scene.coupling.contact_sets,
                                               self.spacing_, threads);
+  self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;

@@ -79,6 +79,8 @@ class Passes : public testing::TestWithParam<Case> {
     gather_samples(items_, extras_, constants_, sums);
     std::vector<float> inverse_w;
     for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 1 / s.w : 0.f);
+    std::vector<RowSums> rows;
+    sum_rows(items_, extras_, constants_, rows, pairs_);
     return inverse_w;
   }
   double slope(double r) const { return kernel_.slope_over_r(r); }
@@ -90,6 +92,7 @@ class Passes : public testing::TestWithParam<Case> {
   std::vector<Record> fixed_, moving_;
   PassConstants constants_;
   ItemExtras extras_;
+  PairGradients pairs_;
 };
 
 TEST_P(Passes, SortingKeepsEveryParticleAndCellOrder) {
@@ -249,7 +252,7 @@ TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
   std::vector<float> pressure, out, divergence;
   for (const std::uint32_t item : items_.fluid_item) pressure.push_back(items_.record[item].p);
   std::vector<Flow> flow, velocities(items_.record.size());
-  apply_pressure(items_, extras_, constants_, inverse_w, flow, out);
+  apply_pressure(items_, extras_, constants_, inverse_w, pairs_, pressure, flow, out);
   double power = 0, scale = 0;
   for (std::uint32_t item = 0; item < items_.size(); ++item) {
     const Record& r = items_.record[item];
@@ -289,8 +292,8 @@ TEST_P(Passes, PressureOperatorIsSymmetricAndPositive) {
   std::vector<float> x[2], ax[2];
   std::vector<Flow> flow;
   for (int k = 0; k < 2; ++k) {
-    for (const std::uint32_t item : items_.fluid_item) x[k].push_back(items_.record[item].p = normal(random));
-    apply_pressure(items_, extras_, constants_, inverse_w, flow, ax[k]);
+    for (std::size_t f = 0; f < items_.fluid_item.size(); ++f) x[k].push_back(normal(random));
+    apply_pressure(items_, extras_, constants_, inverse_w, pairs_, x[k], flow, ax[k]);
   }
   const auto dot = [](const std::vector<float>& a, const std::vector<float>& b) {
     double sum = 0;
