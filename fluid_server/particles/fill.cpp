@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <optional>
 #include <unordered_map>
 
@@ -169,31 +168,29 @@ struct FilledOne {
   double asked = 0;
 };
 
-/// Particles for the cells that surfaces cut: each gets one or none, and what is too much or too little is handed to
-/// cut cells beside it that are still to come (error diffusion, Floyd and Steinberg 1976), so that the volume is right
-/// to within a particle around every piece of surface: a channel with a few particles too many pushes its walls apart.
+/// Particles for the cells that surfaces cut: each gets one or none, as its share of fluid is above or below a
+/// threshold that runs through the cells as a low-discrepancy sequence (Kronecker's with powers of the root of g^4 = g
+/// + 1). Along every line and in every plane of cells the thresholds are spread evenly, so that the volume is right to
+/// about a particle around every piece of surface, and no side is favoured: a channel with a few particles too many
+/// pushes its walls apart.
 void place_cut(const std::vector<CutCell>& cells, std::vector<Vec3>& sites) {
-  constexpr double kLeast = 0.25;  // share of a cell that has room for a particle
-  std::map<std::array<int, 3>, std::size_t> number;
-  for (std::size_t k = 0; k < cells.size(); ++k) number[cells[k].at] = k;
-  std::vector<double> handed(cells.size(), 0.0);
-  double loose = 0;  // handed on by cells without neighbours
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    double want = cells[k].part.share + handed[k] + loose;
-    loose = 0;
-    if (want >= (cells[k].part.share >= kLeast ? 0.5 : 1.0)) {
-      sites.push_back(cells[k].part.centre);
-      want -= 1;
-    }
-    std::vector<std::size_t> next;
-    for (int j = 0; j < 27; ++j) {
-      const auto& at = cells[k].at;
-      const auto found = number.find({at[0] + j % 3 - 1, at[1] + j / 3 % 3 - 1, at[2] + j / 9 - 1});
-      if (found != number.end() && found->second > k) next.push_back(found->second);
-    }
-    for (const std::size_t other : next) handed[other] += want / static_cast<double>(next.size());
-    if (next.empty()) loose = want;
+  constexpr double kGenerator = 1.2207440846057596;
+  constexpr int kStarts = 64;  // of the sequence; the one that hits the whole volume best is taken
+  double whole = 0;
+  for (const CutCell& cell : cells) whole += cell.part.share;
+  const auto has_particle = [&](const CutCell& cell, int start) {
+    double t = (start + 0.5) / kStarts, alpha = 1;
+    for (int k = 0; k < 3; ++k) t += cell.at[static_cast<std::size_t>(k)] * (alpha /= kGenerator);
+    return t - std::floor(t) < cell.part.share;
+  };
+  int best = 0;
+  double least = 1e300;
+  for (int start = 0; start < kStarts; ++start) {
+    const auto placed = std::ranges::count_if(cells, [&](const CutCell& cell) { return has_particle(cell, start); });
+    if (const double off = std::abs(static_cast<double>(placed) - whole); off < least) best = start, least = off;
   }
+  for (const CutCell& cell : cells)
+    if (has_particle(cell, best)) sites.push_back(cell.part.centre);
 }
 
 FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene& scene, double support) {
@@ -218,8 +215,7 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
   std::vector<CutCell> cut;
   for (int iz = -margin; iz < n[2] + margin; ++iz)
     for (int iy = -my; iy < n[1] + my; ++iy)
-      for (int k = -margin; k < n[0] + margin; ++k) {
-        const int ix = (iy + iz) % 2 == 0 ? k : n[0] - 1 - k;  // there and back, so that place_cut favours no side
+      for (int ix = -margin; ix < n[0] + margin; ++ix) {
         Vec3 p = origin + Vec3(ix + 0.5, iy + 0.5, iz + 0.5).cwiseProduct(pitch);
         if (dimension == 2) p[1] = 0;
         const double phi = region.distance(p), free = obstacles.clearance(p), s = std::max(phi, -free);
