@@ -8,12 +8,14 @@ namespace ballast::fluid {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, bool contacts, double spacing, int threads)
+Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, bool contacts,
+                   double spacing, int threads)
     : samples_(samples),
       threads_(threads),
       want_contacts_(contacts),
       spacing_(spacing),
-      buoyancy_(std::move(buoyancy)) {
+      buoyancy_(std::move(buoyancy)),
+      films_(std::move(films)) {
   const std::size_t bodies = buoyancy_.size();
   wet_.resize(samples.size());
   wet_stamp_.assign(samples.size(), 0);
@@ -25,9 +27,15 @@ Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, bool cont
 }
 
 void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
-                     const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme) {
+                     const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme,
+                     Films films) {
   ++stamp_;
   collect(items, extras, sums, constants, states);
+  if (films_ && films == Films::kFollow)
+    films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
+      if (wet_stamp_[sample] != stamp_) return {};
+      return Seepage::Wet{wet_[sample].p0, wet_[sample].area.cast<double>()};
+    });
   find_accelerations(states, scheme);
   apply(items, states);
 }
@@ -65,6 +73,17 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
   }
 }
 
+Vector6 Response::applied(std::size_t body) const {
+  Vector6 wrench = Vector6::Zero();
+  wrench.head<3>() = buoyancy_[body];
+  if (films_) {
+    const exchange::Wrench& film = films_->wrenches()[body];
+    wrench.head<3>() += Vec3::Map(film.force);
+    wrench.tail<3>() += Vec3::Map(film.torque);
+  }
+  return wrench;
+}
+
 void Response::find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme) {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
@@ -77,8 +96,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       continue;
     }
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
-    Vector6 force = Vector6::Zero();
-    force.head<3>() = buoyancy_[b];
+    Vector6 force = applied(b);
     Matrix6 added = Matrix6::Zero();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
@@ -103,7 +121,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
-    Vec3 force = buoyancy_[b], torque = Vec3::Zero();
+    Vec3 force = applied(b).head<3>(), torque = applied(b).tail<3>();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
       if (wet_stamp_[sample] != stamp_) continue;

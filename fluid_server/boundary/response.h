@@ -2,11 +2,13 @@
 // because the pressure extrapolated onto a body's samples depends on its acceleration and a light body's acceleration
 // on it.
 #pragma once
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "common/exchange/records.h"
 #include "fluid_server/boundary/samples.h"
+#include "fluid_server/boundary/seepage.h"
 #include "fluid_server/passes/passes.h"
 
 namespace ballast::fluid {
@@ -17,10 +19,16 @@ enum class Scheme {
   kStaggered,    ///< that of the last step
 };
 
+/// Whether the pressure of films between solids follows the samples' (seepage.h), or stays as it was found last: while
+/// the fluid has none.
+enum class Films { kFollow, kStay };
+
 class Response {
  public:
   /// `buoyancy`: a force per body beside that of the samples, N, through the centre of mass (numerics.reduced_gravity).
-  Response(const Samples& samples, std::vector<Vec3> buoyancy, bool contacts, double spacing, int threads);
+  /// `films`: null where no body can move freely.
+  Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, bool contacts,
+           double spacing, int threads);
 
   /// From the sums of the wet samples: extrapolated pressure of each into items.record (Adami, Hu and Adams 2012)
   ///   p_b = [sum V_k W p_k + (G - a_b) . sum V_k W rho_k (x_b - x_k)] / sum V_k W,
@@ -29,7 +37,7 @@ class Response {
   /// acceleration a0
   ///   a = a0 + K (F - Q a),  F the wrench at a = 0, Q a the wrench that the term -a_b adds: one 6x6 system per body.
   void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
-             const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme);
+             const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme, Films films);
 
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
@@ -57,6 +65,8 @@ class Response {
   };
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);
+  /// Wrench that does not come from samples.
+  Eigen::Matrix<double, 6, 1> applied(std::size_t body) const;
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
@@ -65,6 +75,7 @@ class Response {
   bool want_contacts_;
   double spacing_;
   std::vector<Vec3> buoyancy_;
+  std::unique_ptr<Seepage> films_;
   std::vector<Wet> wet_;                  // by sample
   std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
   std::uint32_t stamp_ = 0;

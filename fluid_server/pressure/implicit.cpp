@@ -50,7 +50,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   sum_rows(items, extras, constants, rows_, pairs_);
   find_shares();
   scale(sums);
-  response.solve(items, extras, sums, constants, states, Scheme::kStaggered);
+  response.solve(items, extras, sums, constants, states, Scheme::kStaggered, Films::kStay);
   accelerate(items, extras, constants, acceleration_);
 
   inverse_w_.resize(sums.size());

@@ -54,7 +54,7 @@ QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states)
   for (report.rounds = 1; report.rounds <= kMostRounds; ++report.rounds) {
     sign_of_life_();
     gather_samples(*items_, extras_, frozen, sums_);
-    response_->solve(*items_, extras_, sums_, frozen, states, scheme_);
+    response_->solve(*items_, extras_, sums_, frozen, states, scheme_, Films::kFollow);
     accelerate(*items_, extras_, frozen, acceleration_);
     put_accelerations_for_velocities();
     advance_pressure(*items_, extras_, frozen, pressure_);

@@ -149,8 +149,11 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     for (std::size_t b = 0; b < bodies.size(); ++b)
       if (scene.models[b].motion == Motion::kDynamic)
         buoyancy[b] = -self.filled_.fluids[0].density * bodies[b].solid.mass_properties().volume * scene.world.gravity;
-  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), scene.coupling.contact_sets,
-                                              self.spacing_, threads);
+  std::unique_ptr<Seepage> films;
+  if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
+    films = std::make_unique<Seepage>(scene, *self.samples_, bodies, gravity, self.filled_.fluids[0].density);
+  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
+                                              scene.coupling.contact_sets, self.spacing_, threads);
   self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);

@@ -1,0 +1,65 @@
+// Water under a body that stands on another: no particle fits into the gap, but water does, and its pressure lifts.
+// Where a face of a free body lies within a spacing of another solid, the pressure of the film between them is that of
+// the fluid at the rim, with its head spread over the face as by seepage through an even gap (Laplace's equation).
+// Without it a light body on the floor is pressed down by all the water above and never rises.
+#pragma once
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/geometry/bodies.h"
+#include "common/scene/scene.h"
+#include "fluid_server/boundary/samples.h"
+
+namespace ballast::fluid {
+
+class Seepage {
+ public:
+  /// `bodies` must outlive this. `gravity` in m/s^2, `density` of the fluid in kg/m^3.
+  Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Vec3& gravity,
+          double density);
+
+  /// What the fluid does to a wet sample.
+  struct Wet {
+    double pressure;  ///< Pa
+    Vec3 area;        ///< force per unit of pressure, m^2
+  };
+  /// Wrenches of the films on all bodies, action equal to reaction, about the centres of mass. `wet` finds a sample by
+  /// its index; nothing if it is dry. Where particles press on a place already, no film does.
+  void solve(std::span<const exchange::BodyState> states, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
+
+  std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
+  std::size_t memory() const;
+
+ private:
+  struct Place {  // of the first layer of a free body
+    std::uint32_t sample;
+    double area;
+    std::vector<std::uint32_t> neighbours;  // places of the same body
+  };
+  struct Face {
+    std::uint32_t body;
+    std::vector<Place> places;
+  };
+  struct Covered {
+    std::uint32_t other = 0;  // the solid that lies against it
+    double share = 0;         // 1: a narrow gap, 0: none or one that particles fit into
+    double head = 0;
+    bool known = false, reached = false;
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
+  };
+  bool cover(const Face& face, std::span<const exchange::BodyState> states);
+  void spread(const Face& face);
+
+  std::span<const Body> bodies_;
+  const Samples& samples_;
+  double spacing_;
+  Vec3 weight_;                // density times gravity
+  std::vector<double> reach_;  // of each body's surface from its centre; infinite for planes
+  std::vector<Face> faces_;
+  std::vector<Covered> covered_;
+  std::vector<exchange::Wrench> wrenches_;
+};
+
+}  // namespace ballast::fluid

@@ -1,0 +1,111 @@
+// Films between solids: closed forms for the lift and torque of a box that stands on a floor.
+#include "fluid_server/boundary/seepage.h"
+
+#include <gtest/gtest.h>
+
+namespace ballast::fluid {
+namespace {
+
+constexpr double kSpacing = 0.03, kSide = 0.3, kHeight = 0.15, kWeight = 9810;
+
+/// A box `gap` above the floor of a tank; only samples within two spacings of its sides are wet.
+struct Standing {
+  explicit Standing(double gap) {
+    scene.world.spacing = kSpacing;
+    Model tank;
+    tank.name = "tank";
+    tank.motion = Motion::kStatic;
+    tank.shape.kind = ShapeKind::kOpenBox;
+    tank.shape.size = {1.2, 1.2, 0.6};
+    Model box;
+    box.name = "box";
+    box.shape.kind = ShapeKind::kBox;
+    box.shape.size = {kSide, kSide, kHeight};
+    box.density = 500;
+    box.pose.position = {0.6, 0.6, gap + kHeight / 2};
+    scene.models = {tank, box};
+    bodies = *make_bodies(scene);
+    const Coordinates coordinates = Coordinates::make({{-0.2, -0.2, -0.2}, {1.4, 1.4, 0.8}}, {});
+    samples = Samples::make(scene, bodies, coordinates, 1.5 * kSpacing);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      states.push_back(initial_state(scene.models[b], bodies[b], scene.world.gravity));
+    seepage = std::make_unique<Seepage>(scene, samples, bodies, Vec3(0, 0, -9.81), 1000);
+  }
+  /// `pressure` in the box's frame where it is wet.
+  void solve(const std::function<double(const Vec3&)>& pressure) {
+    seepage->solve(states, [&](std::uint32_t s) -> std::optional<Seepage::Wet> {
+      const Vec3 x = samples.local[s].cast<double>();
+      const double inside = kSide / 2 - x.cwiseAbs().head<2>().maxCoeff();
+      if (inside < 2 * kSpacing) return Seepage::Wet{pressure(x), borne * kSpacing * kSpacing * Vec3(0, 0, 1)};
+      return {};
+    });
+  }
+  Vec3 force(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].force); }
+  Vec3 torque(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].torque); }
+  double borne = 0;  // share of its area on which a sample is pressed upwards by particles
+  Scene scene;
+  std::vector<Body> bodies;
+  Samples samples;
+  std::vector<exchange::BodyState> states;
+  std::unique_ptr<Seepage> seepage;
+};
+
+TEST(Seepage, StillWaterLiftsByItsPressureAtTheFloor) {
+  Standing standing(0);
+  constexpr double depth = 0.4;
+  standing.solve([](const Vec3& x) { return kWeight * (depth - (x[2] + kHeight / 2)); });
+  const double lift = kWeight * depth * kSide * kSide;
+  EXPECT_NEAR(standing.force(1)[2], lift, 1e-6 * lift);
+  EXPECT_LT(standing.force(1).head<2>().norm(), 1e-9 * lift);
+  EXPECT_LT(standing.torque(1).norm(), 1e-6 * lift * kSide);
+  EXPECT_LT((standing.force(0) + standing.force(1)).norm(), 1e-12 * lift) << "action is not reaction";
+}
+
+TEST(Seepage, ASlopeOfThePressureGoesThroughTheFilmAndTurnsTheBox) {
+  Standing standing(0);
+  constexpr double mean = 3000, slope = 8000;  // Pa, Pa/m
+  standing.solve([](const Vec3& x) { return mean + slope * x[0] - kWeight * (x[2] + kHeight / 2); });
+  const double lift = mean * kSide * kSide;
+  EXPECT_NEAR(standing.force(1)[2], lift, 1e-6 * lift);
+  // -integral of p x over the face, in cells of the first layer
+  double moment = 0;
+  const int n = static_cast<int>(std::lround(kSide / kSpacing));
+  for (int i = 0; i < n; ++i) {
+    const double x = (i + 0.5) * kSpacing - kSide / 2;
+    moment -= slope * x * x * kSpacing * kSide;
+  }
+  EXPECT_NEAR(standing.torque(1)[1], moment, 1e-5 * std::abs(moment));
+}
+
+TEST(Seepage, FilmsBearNoTensionAndEndWhereParticlesFit) {
+  Standing dry(0);
+  dry.solve([](const Vec3&) { return -1000.0; });
+  EXPECT_EQ(dry.force(1).norm(), 0);
+  Standing apart(kSpacing);
+  apart.solve([](const Vec3&) { return 1000.0; });
+  EXPECT_EQ(apart.force(1).norm(), 0);
+  Standing between(0.75 * kSpacing);
+  between.solve([](const Vec3& x) { return 1000 - kWeight * x[2]; });
+  Standing closed(0);
+  closed.solve([](const Vec3& x) { return 1000 - kWeight * x[2]; });
+  EXPECT_NEAR(between.force(1)[2], 0.5 * closed.force(1)[2], 1e-6 * closed.force(1)[2]);
+}
+
+TEST(Seepage, WhereParticlesPressNoFilmDoes) {
+  Standing standing(0);
+  standing.solve([](const Vec3&) { return 1000.0; });
+  const double all = standing.force(1)[2];
+  standing.borne = 0.8;
+  standing.solve([](const Vec3&) { return 1000.0; });
+  const double wet = 100 - 36;  // places of the face whose samples the particles reach: its two outer rings
+  EXPECT_NEAR(standing.force(1)[2], all * (1 - wet / 100), 0.02 * all);
+}
+
+TEST(Seepage, WhatNoWaterReachesHasNoFilm) {
+  Standing standing(0);
+  standing.seepage->solve(standing.states, [](std::uint32_t) -> std::optional<Seepage::Wet> { return {}; });
+  EXPECT_EQ(standing.force(1).norm(), 0);
+}
+
+}  // namespace
+}  // namespace ballast::fluid
