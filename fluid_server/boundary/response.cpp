@@ -31,12 +31,15 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
                      Films films) {
   ++stamp_;
   collect(items, extras, sums, constants, states);
-  if (films_ && films == Films::kFollow)
+  if (films_ && films == Films::kFollow) {
     films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
       if (wet_stamp_[sample] != stamp_) return {};
       return Seepage::Wet{wet_[sample].p0, wet_[sample].area.cast<double>()};
     });
-  find_accelerations(states, scheme);
+    if (!films_->empty()) find_accelerations(states, scheme, false);
+    films_->press(states, acceleration_, constants.dt);
+  }
+  find_accelerations(states, scheme, true);
   apply(items, states);
 }
 
@@ -73,18 +76,13 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
   }
 }
 
-Vector6 Response::applied(std::size_t body) const {
+Vector6 Response::film(std::size_t body) const {
   Vector6 wrench = Vector6::Zero();
-  wrench.head<3>() = buoyancy_[body];
-  if (films_) {
-    const exchange::Wrench& film = films_->wrenches()[body];
-    wrench.head<3>() += Vec3::Map(film.force);
-    wrench.tail<3>() += Vec3::Map(film.torque);
-  }
+  if (films_) wrench << Vec3::Map(films_->wrenches()[body].force), Vec3::Map(films_->wrenches()[body].torque);
   return wrench;
 }
 
-void Response::find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme) {
+void Response::find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films) {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
     const Vector6 free = Vector6::Map(states[b].free_acceleration);
@@ -93,10 +91,12 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     acceleration_[b] = free;
     if (scheme == Scheme::kStaggered && !mobility.isZero(0)) {
       acceleration_[b] = Vector6::Map(states[b].acceleration);
+      if (!films) acceleration_[b] -= mobility * film(b);  // last step's
       continue;
     }
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
-    Vector6 force = applied(b);
+    Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
+    force.head<3>() += buoyancy_[b];
     Matrix6 added = Matrix6::Zero();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
@@ -121,7 +121,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
-    Vec3 force = applied(b).head<3>(), torque = applied(b).tail<3>();
+    Vec3 force = buoyancy_[b] + film(b).head<3>(), torque = film(b).tail<3>();
     for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
       const std::uint32_t sample = samples_.order[k];
       if (wet_stamp_[sample] != stamp_) continue;

@@ -65,9 +65,8 @@ class Response {
   };
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);
-  /// Wrench that does not come from samples.
-  Eigen::Matrix<double, 6, 1> applied(std::size_t body) const;
-  void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme);
+  Eigen::Matrix<double, 6, 1> film(std::size_t body) const;  ///< wrench of the films on it
+  void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
   const Samples& samples_;

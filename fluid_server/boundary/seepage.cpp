@@ -11,6 +11,7 @@ namespace ballast::fluid {
 namespace {
 
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
+constexpr double kRough = 0.05;               // gap of solids that touch, spacings: what is left open at corners
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
 constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
 
@@ -22,7 +23,7 @@ Quat rotation_of(const exchange::BodyState& s) {
 
 Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Vec3& gravity,
                  double density)
-    : bodies_(bodies), samples_(samples), spacing_(scene.world.spacing), weight_(density * gravity) {
+    : bodies_(bodies), samples_(samples), spacing_(scene.world.spacing), density_(density), weight_(density * gravity) {
   wrenches_.resize(bodies.size());
   for (const Body& body : bodies) {
     const Box3 box = body.solid.bounds();
@@ -53,7 +54,7 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
 
 void Seepage::solve(std::span<const exchange::BodyState> states,
                     const std::function<std::optional<Wet>(std::uint32_t)>& wet) {
-  std::fill(wrenches_.begin(), wrenches_.end(), exchange::Wrench{});
+  films_.clear();
   for (const Face& face : faces_) {
     if (!cover(face, states)) continue;
     const auto column = [&](const Vec3& point) { return weight_.dot(point - Vec3::Map(states[face.body].position)); };
@@ -72,12 +73,61 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
       const Covered& c = covered_[i];
       if (!c.reached) continue;
       const double p = std::max(c.head + column(c.point), 0.0);  // a film bears no tension
-      const Vec3 force = -p * c.share * face.places[i].area * c.normal;
-      for (const auto& [body, sign] : {std::pair(face.body, 1.0), std::pair(c.other, -1.0)}) {
-        const Vec3 arm = c.point - Vec3::Map(states[body].position);
-        Vec3::Map(wrenches_[body].force) += sign * force;
-        Vec3::Map(wrenches_[body].torque) += arm.cross(sign * force);
-      }
+      const double area = c.share * face.places[i].area;
+      const Vec3 force = -p * area * c.normal;
+      Film& film = this->film(face.body, c.other);
+      film.force += p * area;
+      film.area += area;
+      film.gap += area * c.gap;
+      film.point += p * area * c.point;
+      film.normal += p * area * c.normal;
+      const auto add = [&](Vector6& wrench, std::uint32_t body, double sign) {
+        wrench.head<3>() += sign * force;
+        wrench.tail<3>() += (c.point - Vec3::Map(states[body].position)).cross(sign * force);
+      };
+      add(film.on_body, film.body, 1);
+      add(film.on_other, film.other, -1);
+    }
+  }
+}
+
+Seepage::Film& Seepage::film(std::uint32_t body, std::uint32_t other) {
+  for (Film& film : films_)
+    if (film.body == body && film.other == other) return film;
+  Film& film = films_.emplace_back();
+  film.body = body, film.other = other;
+  return film;
+}
+
+void Seepage::press(std::span<const exchange::BodyState> states, std::span<const Vector6> without, double dt) {
+  std::fill(wrenches_.begin(), wrenches_.end(), exchange::Wrench{});
+  for (const Film& film : films_) {
+    if (!(film.force > 0)) continue;
+    const Vec3 point = film.point / film.force, normal = film.normal.normalized();
+    // Speed at which the gap opens along the normal, from twists or accelerations of the two.
+    const auto opening = [&](const Vector6& body, const Vector6& other) {
+      const auto at = [&](const Vector6& twist, std::uint32_t b) {
+        return Vec3(twist.head<3>() + twist.tail<3>().cross(point - Vec3::Map(states[b].position)));
+      };
+      return normal.dot(at(other, film.other) - at(body, film.body));
+    };
+    const auto twist = [&](std::uint32_t b) {
+      Vector6 v;
+      v << Vec3::Map(states[b].velocity), Vec3::Map(states[b].angular_velocity);
+      return v;
+    };
+    const auto moved = [&](std::uint32_t b, const Vector6& wrench) {
+      return Vector6(Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility) * wrench);
+    };
+    const double free =
+        opening(twist(film.body) + dt * without[film.body], twist(film.other) + dt * without[film.other]);
+    const double pushed = dt * opening(moved(film.body, film.on_body), moved(film.other, film.on_other));
+    const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
+    const double fastest = gap / way * std::sqrt(2 * film.force / film.area / density_);
+    const double share = pushed > 0 ? std::clamp((fastest - free) / pushed, 0.0, 1.0) : 1.0;
+    for (const auto& [b, wrench] : {std::pair(film.body, &film.on_body), std::pair(film.other, &film.on_other)}) {
+      Vec3::Map(wrenches_[b].force) += share * wrench->head<3>();
+      Vec3::Map(wrenches_[b].torque) += share * wrench->tail<3>();
     }
   }
 }
@@ -109,6 +159,7 @@ bool Seepage::cover(const Face& face, std::span<const exchange::BodyState> state
       const double gap = bodies_[b].solid.distance(local(b)) - samples_.depth[s];
       if (gap < least) least = gap, c.other = b;
     }
+    c.gap = least;
     c.share = std::clamp((kWide - least / spacing_) / (kWide - kNarrow), 0.0, 1.0);
     if (!(c.share > 0)) continue;
     c.normal = -(rotation_of(states[c.other]) * bodies_[c.other].solid.normal(local(c.other)));

@@ -25,9 +25,16 @@ class Seepage {
     double pressure;  ///< Pa
     Vec3 area;        ///< force per unit of pressure, m^2
   };
-  /// Wrenches of the films on all bodies, action equal to reaction, about the centres of mass. `wet` finds a sample by
-  /// its index; nothing if it is dry. Where particles press on a place already, no film does.
+  /// Finds the films and their pressure. `wet` finds a sample by its index; nothing if it is dry. Where particles press
+  /// on a place already, no film does.
   void solve(std::span<const exchange::BodyState> states, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
+
+  bool empty() const { return films_.empty(); }
+  /// Wrenches of the films on all bodies, action equal to reaction, about the centres of mass. A film can open its gap
+  /// no faster than water flows in from the rim, driven by its pressure (Bernoulli): v = h / l sqrt(2 p / rho), h the
+  /// gap, l the way; its pressure falls until it does not. `without` are the bodies' accelerations without films.
+  void press(std::span<const exchange::BodyState> states, std::span<const Eigen::Matrix<double, 6, 1>> without,
+             double dt);
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   std::size_t memory() const;
@@ -42,9 +49,18 @@ class Seepage {
     std::uint32_t body;
     std::vector<Place> places;
   };
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  struct Film {  // between a free body and another solid
+    std::uint32_t body = 0, other = 0;
+    double force = 0, area = 0, gap = 0;               // sums; the gap weighted by area
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // sums weighted by force
+    Vector6 on_body = Vector6::Zero(), on_other = Vector6::Zero();
+  };
+  Film& film(std::uint32_t body, std::uint32_t other);
   struct Covered {
     std::uint32_t other = 0;  // the solid that lies against it
-    double share = 0;         // 1: a narrow gap, 0: none or one that particles fit into
+    double gap = 0;
+    double share = 0;  // 1: a narrow gap, 0: none or one that particles fit into
     double head = 0;
     bool known = false, reached = false;
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
@@ -55,10 +71,12 @@ class Seepage {
   std::span<const Body> bodies_;
   const Samples& samples_;
   double spacing_;
+  double density_;
   Vec3 weight_;                // density times gravity
   std::vector<double> reach_;  // of each body's surface from its centre; infinite for planes
   std::vector<Face> faces_;
   std::vector<Covered> covered_;
+  std::vector<Film> films_;
   std::vector<exchange::Wrench> wrenches_;
 };
 

@@ -39,6 +39,8 @@ struct Standing {
       if (inside < 2 * kSpacing) return Seepage::Wet{pressure(x), borne * kSpacing * kSpacing * Vec3(0, 0, 1)};
       return {};
     });
+    const std::vector<Eigen::Matrix<double, 6, 1>> rest(2, Eigen::Matrix<double, 6, 1>::Zero());
+    seepage->press(states, rest, 1e-3);
   }
   Vec3 force(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].force); }
   Vec3 torque(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].torque); }
@@ -99,6 +101,21 @@ TEST(Seepage, WhereParticlesPressNoFilmDoes) {
   standing.solve([](const Vec3&) { return 1000.0; });
   const double wet = 100 - 36;  // places of the face whose samples the particles reach: its two outer rings
   EXPECT_NEAR(standing.force(1)[2], all * (1 - wet / 100), 0.02 * all);
+}
+
+/// A film opens its gap as fast as water flows in, and no faster: v = h / l sqrt(2 p / rho).
+TEST(Seepage, WaterHasToFlowIn) {
+  Standing standing(0.2 * kSpacing);
+  const double mass = standing.bodies[1].mass;
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> mobility(standing.states[1].mobility);
+  mobility.setZero();
+  mobility.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / mass;
+  standing.solve([](const Vec3&) { return 1e6; });  // 1e6 Pa for 1 ms would give it 13 m/s
+  const double fastest = (0.2 + 0.05) * kSpacing / (kSide / 2) * std::sqrt(2 * 1e6 / 1000);
+  EXPECT_NEAR(standing.force(1)[2] / mass * 1e-3, fastest, 0.02 * fastest);
+  Vec3::Map(standing.states[1].velocity) = Vec3(0, 0, 2 * fastest);
+  standing.solve([](const Vec3&) { return 1e6; });
+  EXPECT_EQ(standing.force(1)[2], 0);
 }
 
 TEST(Seepage, WhatNoWaterReachesHasNoFilm) {
