@@ -18,6 +18,7 @@ constexpr int kMostPoints = 8;  // contacts kept per pair of shapes: a face agai
 constexpr int kMostMeshPoints = 64;  // asked for where a mesh takes part, then thinned
 constexpr double kFarAway = 1e9;     // m
 constexpr double kSamePoint = 1e-9;  // relative to length_scale
+constexpr double kDepthSlop = 1e-3;  // of length_scale: ten times as deep as resting contacts are
 
 Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 
@@ -139,11 +140,10 @@ void OdeShapes::clear() {
 
 Status OdeShapes::load(const exchange::ManifestView& manifest) {
   clear();
-  space_ = dHashSpaceCreate(nullptr);
+  // Not the hash space: ODE 0.16.2's loses pairs of neighbours of very different size, and bodies pass through walls.
+  space_ = dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XZY);
   cap_ = dCreateSphere(nullptr, 1);
   dSpaceSetCleanup(space_, 0);
-  const int level = static_cast<int>(std::floor(std::log2(manifest.world->length_scale)));
-  dHashSpaceSetLevels(space_, level - 2, level + 12);
   planar_ = manifest.world->dimension == 2;
   half_extents_.assign(manifest.bodies.size(), 0);
   moves_.clear();
@@ -157,7 +157,22 @@ Status OdeShapes::load(const exchange::ManifestView& manifest) {
   for (const ShapeRecord& record : manifest.shapes) {
     if (auto fine = add(record, manifest); !fine) return fine;
   }
+  make_surfaces();
   return ok();
+}
+
+void OdeShapes::make_surfaces() {
+  const auto is_mesh = [](const auto& part) { return part->mesh != nullptr; };
+  if (std::count_if(parts_.begin(), parts_.end(), is_mesh) < 2) return;
+  for (const auto& part : parts_) {
+    if (!is_mesh(part)) continue;
+    TriangleMesh mesh;
+    for (std::size_t i = 0; i < part->vertices.size(); i += 3) mesh.vertices.push_back(vec(&part->vertices[i]));
+    for (std::size_t i = 0; i < part->triangles.size(); i += 3) {
+      mesh.triangles.push_back({part->triangles[i], part->triangles[i + 1], part->triangles[i + 2]});
+    }
+    part->surface = std::make_unique<MeshSurface>(std::move(mesh));
+  }
 }
 
 Status OdeShapes::add(const ShapeRecord& record, const exchange::ManifestView& manifest) {
@@ -257,19 +272,40 @@ int OdeShapes::collide_caps(dGeomID capsule, dGeomID other, bool first, dContact
   return n;
 }
 
-int OdeShapes::collide_geoms(dGeomID a, dGeomID b, bool mesh, dContactGeom* out) {
-  const int most = mesh ? kMostMeshPoints : kMostPoints;
-  int n = dCollide(a, b, most, out, sizeof(dContactGeom));
-  const bool a_capsule = dGeomGetClass(a) == dCapsuleClass, b_capsule = dGeomGetClass(b) == dCapsuleClass;
-  if (n > 0 && a_capsule && !b_capsule) n += collide_caps(a, b, true, out + n);
-  if (n > 0 && b_capsule && !a_capsule) n += collide_caps(b, a, false, out + n);
-  return n;
+void OdeShapes::collide_geoms(const Part& a, const Part& b) {
+  std::array<dContactGeom, kMostMeshPoints + 2> geoms;
+  const int most = a.mesh || b.mesh ? kMostMeshPoints : kMostPoints;
+  int n = dCollide(a.geom, b.geom, most, geoms.data(), sizeof(dContactGeom));
+  const bool a_capsule = dGeomGetClass(a.geom) == dCapsuleClass, b_capsule = dGeomGetClass(b.geom) == dCapsuleClass;
+  if (n > 0 && a_capsule && !b_capsule) n += collide_caps(a.geom, b.geom, true, geoms.data() + n);
+  if (n > 0 && b_capsule && !a_capsule) n += collide_caps(b.geom, a.geom, false, geoms.data() + n);
+  for (int i = 0; i < n; ++i) {
+    const dContactGeom& g = geoms[static_cast<std::size_t>(i)];
+    found_.push_back({vec(g.pos), vec(g.normal), g.depth});
+  }
+}
+
+void OdeShapes::collide_meshes(const Part& a, const Part& b, const BodySet& bodies) {
+  const auto placed = [&](const Part& part) {
+    const Motion& motion = bodies.now[part.body];
+    Vec3 x = motion.position + motion.orientation * part.position;
+    if (planar_) x.y() = 0;
+    return PlacedSurface{part.surface.get(), x, motion.orientation * part.orientation};
+  };
+  // A body moves at most a quarter of its extent between two searches; two do it together.
+  const double reach = std::max(moves_[a.body] ? half_extents_[a.body] : 0, moves_[b.body] ? half_extents_[b.body] : 0);
+  find_contacts(placed(a), placed(b), reach, kDepthSlop * bodies.world.length_scale, found_);
 }
 
 void OdeShapes::touch(std::size_t a, std::size_t b, const BodySet& bodies, std::vector<ContactPoint>& out) {
-  std::array<dContactGeom, kMostMeshPoints + 2> found;
   const Part &first = *parts_[a], &second = *parts_[b];
-  const int n = collide_geoms(first.geom, second.geom, first.mesh || second.mesh, found.data());
+  found_.clear();
+  const bool meshes = first.surface && second.surface;
+  if (meshes) {
+    collide_meshes(first, second, bodies);
+  } else {
+    collide_geoms(first, second);
+  }
   const bool swap = !moves_[first.body];
   const auto &one = bodies.records[first.body], &two = bodies.records[second.body];
   ContactPoint c{};
@@ -279,11 +315,10 @@ void OdeShapes::touch(std::size_t a, std::size_t b, const BodySet& bodies, std::
   c.restitution = std::max(one.restitution, two.restitution);
   std::vector<ContactPoint>& points = points_;
   points.clear();
-  for (int i = 0; i < n; ++i) {
-    const dContactGeom& g = found[static_cast<std::size_t>(i)];
-    c.position = vec(g.pos);
-    c.normal = swap ? Vec3(-vec(g.normal)) : vec(g.normal);
-    c.depth = g.depth;
+  for (const SurfaceContact& at : found_) {
+    c.position = at.position;
+    c.normal = swap ? Vec3(-at.normal) : at.normal;
+    c.depth = at.depth;
     if (planar_) {  // the section at y = 0 stands for the whole depth: front and back points fall together
       c.position.y() = 0;
       c.normal.y() = 0;
@@ -296,7 +331,7 @@ void OdeShapes::touch(std::size_t a, std::size_t b, const BodySet& bodies, std::
     });
     if (c.depth > 0 && !twin) points.push_back(c);
   }
-  thin(points);
+  if (!meshes) thin(points);
   out.insert(out.end(), points.begin(), points.end());
 }
 

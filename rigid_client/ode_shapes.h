@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rigid_client/body_set.h"
+#include "rigid_client/mesh_contacts.h"
 
 namespace ballast::rigid {
 
@@ -45,12 +46,16 @@ class OdeShapes {
     dTriMeshDataID mesh = nullptr;
     std::vector<double> vertices;
     std::vector<dTriIndex> triangles;
+    std::unique_ptr<MeshSurface> surface;  // where several bodies are meshes
   };
   Status add(const exchange::ShapeRecord& record, const exchange::ManifestView& manifest);
   void add_mesh(Part& part, const exchange::ShapeRecord& record, const exchange::ManifestView& manifest);
+  void make_surfaces();
   void place(const BodySet& bodies);
   void touch(std::size_t a, std::size_t b, const BodySet& bodies, std::vector<ContactPoint>& out);
-  int collide_geoms(dGeomID a, dGeomID b, bool mesh, dContactGeom* out);
+  /// Fills found_ with contacts whose normals point into the first part.
+  void collide_meshes(const Part& a, const Part& b, const BodySet& bodies);
+  void collide_geoms(const Part& a, const Part& b);
   /// Contacts of a capsule's two caps: ODE itself returns a single point for a capsule that lies on a face, which
   /// rocks.
   int collide_caps(dGeomID capsule, dGeomID other, bool first, dContactGeom* out);
@@ -61,6 +66,7 @@ class OdeShapes {
   dSpaceID space_ = nullptr;
   dGeomID cap_ = nullptr;  ///< sphere put at a capsule's ends
   std::vector<ContactPoint> points_;
+  std::vector<SurfaceContact> found_;
   std::vector<std::unique_ptr<Part>> parts_;
   std::vector<double> half_extents_;
   std::vector<bool> moves_;                                  // body is dynamic

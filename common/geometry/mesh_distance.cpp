@@ -147,4 +147,27 @@ MeshDistance::Nearest MeshDistance::nearest(const Vec3& p, double within) const 
   return {best.point, normal, sign * std::sqrt(best.squared)};
 }
 
+void MeshDistance::overlapping(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& out) const {
+  out.clear();
+  const auto apart = [&](const Vec3& min, const Vec3& max) {
+    return (min.array() > high.array()).any() || (max.array() < low.array()).any();
+  };
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::uint32_t index = stack[--size];
+    const Node& node = nodes_[index];
+    if (apart(node.min, node.max)) continue;
+    if (node.count == 0) {
+      stack[size++] = node.right;
+      stack[size++] = index + 1;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const auto& [a, b, c] = corners_[i];
+      if (!apart(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c))) out.push_back(order_[i]);
+    }
+  }
+}
+
 }  // namespace ballast::geometry

@@ -21,6 +21,8 @@ class MeshDistance {
   };
   /// `within`: a distance known to be enough, which shortens the search; the nearest point must not lie farther.
   Nearest nearest(const Vec3& p, double within = std::numeric_limits<double>::infinity()) const;
+  /// Triangles whose bounds overlap the box from `low` to `high`, in an order that depends on the mesh only.
+  void overlapping(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& out) const;
 
  private:
   // Axis-aligned box over triangles [first, first + count) of order_, or over two children (count 0).

@@ -1,6 +1,7 @@
 // Meshes: files, exact integrals, distances and refusals.
 #include <random>
 
+#include "common/geometry/mesh_distance.h"
 #include "tests/common/geometry/shapes.h"
 
 namespace ballast::test {
@@ -71,6 +72,27 @@ TEST(Mesh, DistanceToATorusIsRight) {
   EXPECT_NEAR(total_volume(samples), layers, 0.015 * layers);
   const auto full = s.samples(0.05, 1, kEverywhere);
   EXPECT_NEAR(total_volume(full), s.mass_properties().volume, 1e-12);
+}
+
+TEST(Mesh, TrianglesThatOverlapABoxAreThoseOfBruteForce) {
+  const TriangleMesh t = solid(mesh(TemporaryFile(".obj", obj_text(torus())).path())).surface();
+  const geometry::MeshDistance tree(t);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-0.8, 0.8);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p(unit(random), unit(random), 0.3 * unit(random)), half = 0.1 * Vec3(1 + unit(random), 1, 1);
+    std::vector<std::uint32_t> found, expected;
+    tree.overlapping(p - half, p + half, found);
+    for (std::uint32_t k = 0; k < t.triangles.size(); ++k) {
+      const Vec3 &a = t.vertices[t.triangles[k][0]], &b = t.vertices[t.triangles[k][1]],
+                 &c = t.vertices[t.triangles[k][2]];
+      const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+      if ((low.array() <= (p + half).array()).all() && (high.array() >= (p - half).array()).all())
+        expected.push_back(k);
+    }
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected);
+  }
 }
 
 TEST(Mesh, SectionOfDimensionTwoIsTheCutAtYZero) {
