@@ -72,9 +72,11 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
                     "fills of the fluids",
                     outside, fluid.particles().size()));
   const RelaxReport& relaxed = fluid.relax_report();
-  if (relaxed.moves && relaxed.last_move > 5e-3)
-    warn(fmt::format("the start was not fully relaxed: after {} rounds particles still move by {:.2g} spacings a round",
-                     relaxed.moves, relaxed.last_move));
+  if (!relaxed.settled)
+    warn(fmt::format(
+        "the start was not fully relaxed: after {} rounds particles still move by {:.2g} spacings a round, the "
+        "spread of the summed density is {:.2g}",
+        relaxed.moves, relaxed.last_move, relaxed.spread_after));
 }
 
 /// Particles on the two sides of a thin solid are within each other's support.

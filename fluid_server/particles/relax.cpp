@@ -42,7 +42,7 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
     if (round == 0) report.spread_before = spread(delta);
     report.spread_after = spread(delta);
     if (round % kLook == 0) {
-      if (round > 0 && report.spread_after > kGain * earlier) break;
+      if (round > 0 && report.spread_after > kGain * earlier) return report;
       earlier = report.spread_after;
     }
     double largest = 0;
@@ -61,8 +61,9 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
     std::swap(particles, sorted);
     report.moves = round + 1;
     report.last_move = largest / spacing;
-    if (report.last_move < kStillMove) break;
+    if (report.last_move < kStillMove) return report;
   }
+  report.settled = at_most == 0;
   return report;
 }
 

@@ -11,6 +11,7 @@ namespace ballast::fluid {
 
 struct RelaxReport {
   int moves = 0;             ///< rounds done
+  bool settled = true;       ///< false: ended by the number of rounds
   double spread_before = 0;  ///< standard deviation of the summed density over 1, particles away from the free surface
   double spread_after = 0;
   double last_move = 0;  ///< largest move of the last round, spacings
