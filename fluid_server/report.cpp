@@ -166,6 +166,10 @@ void Report::write_final(std::span<const exchange::BodyState> states, std::uint3
     warn(s.error().text());
 }
 
+Status Report::write_post_mortem(std::span<const exchange::BodyState> states, double time) const {
+  return output::VtkSeries(out_dir_ + "/post_mortem").add(time, Views(fluid_).frame(), bodies_, poses_of(states));
+}
+
 std::string Report::json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
                          const exchange::Link& link, const Status& outcome) const {
   using nlohmann::json;

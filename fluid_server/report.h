@@ -29,6 +29,10 @@ class Report {
   Status write_frame(std::span<const exchange::BodyState> states, double time);
   /// Picture of the last state, if the scene wants one.
   void write_final(std::span<const exchange::BodyState> states, std::uint32_t threads);
+  /// Particles and bodies of a run that diverged, for ParaView: OUT/post_mortem.
+  Status write_post_mortem(std::span<const exchange::BodyState> states, double time) const;
+  /// Largest speed over sound speed so far.
+  double worst_mach() const { return worst_mach_; }
   std::string json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
                    const exchange::Link& link, const Status& outcome) const;
 

@@ -11,6 +11,7 @@
 #include "common/geometry/bodies.h"
 #include "common/scene/reader.h"
 #include "fluid_server/monitor_frames.h"
+#include "fluid_server/post_mortem.h"
 #include "fluid_server/probes/probes.h"
 #include "fluid_server/report.h"
 #include "fluid_server/step/wcsph.h"
@@ -83,8 +84,9 @@ class Server {
     ++step_;
     time_ += step.dt;
     last_limit_ = step.limit;
-    if (!fluid_->facts().finite || fluid_->facts().max_speed > 20 * limits_.sound_speed) return diverged();
+    if (!fluid_->facts().finite || fluid_->facts().max_speed > kMostMach * limits_.sound_speed) return diverged(step);
     report_.count(step.limit, *fluid_, states_, step.dt, time_);
+    if (report_.measured().compression_mean > kMostCompression) return diverged(step);
     exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
     r.iteration = iteration;
     r.wall_wait = link_.seconds_waited() - waited;
@@ -107,8 +109,8 @@ class Server {
       if (auto s = link_.send(order, fluid_->wrenches(), fluid_->contacts()); !s) return s;
     }
     fluid_->move();
-    if (!coupled_) return ok();
     states_before_ = states_;
+    if (!coupled_) return ok();
     auto answer = link_.receive(step_ + 1, iteration, states_);
     if (!answer) return answer.error();
     engine_bound_ = answer->max_dt > 0 ? answer->max_dt : 1e300;
@@ -128,14 +130,10 @@ class Server {
     return values.empty() ? ok() : link_.frame(exchange::FrameKind::kProbes, step_, time_, values);
   }
 
-  Status diverged() const {
-    Error error;
-    error.what =
-        fmt::format("the fluid diverged at t = {:.6g} s (step {}): largest speed {:.3g} m/s, sound speed {:.3g} m/s",
-                    time_, step_, fluid_->facts().max_speed, limits_.sound_speed);
-    error.cure =
-        "try a smaller numerics.courant, a larger numerics.sound_speed, or look for bodies that start inside fluid";
-    error.exit_code = kDiverged;
+  Status diverged(const Step& step) const {
+    const LastStep last{step_, time_, step.dt, report_.worst_mach(), report_.measured().compression_mean};
+    Error error = post_mortem(scene_, bodies_, *fluid_, states_, last);
+    if (auto s = report_.write_post_mortem(states_, time_); !s) error.what += "; " + s.error().text();
     return error;
   }
 

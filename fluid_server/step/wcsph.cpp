@@ -36,6 +36,7 @@ bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
 void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   constants_.dt = static_cast<float>(dt);
   facts_before_ = facts_;
+  lost_before_ = lost_;
   std::swap(particles_, before_);
   {
     const Stopwatch watch(times_.sort);
@@ -124,6 +125,7 @@ void WcsphFluid::move() {
 void WcsphFluid::roll_back() {
   std::swap(particles_, before_);
   facts_ = facts_before_;
+  lost_ = lost_before_;
 }
 
 void WcsphFluid::remove_lost() {

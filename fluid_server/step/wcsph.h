@@ -106,7 +106,7 @@ class WcsphFluid {
   StepFacts facts_, facts_before_;
   std::function<void()> sign_of_life_;
   StageTimes times_;
-  std::uint64_t lost_ = 0;
+  std::uint64_t lost_ = 0, lost_before_ = 0;
   std::string lost_where_;
 };
 

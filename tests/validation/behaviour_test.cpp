@@ -126,6 +126,24 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"NoYaml", "ballast: 1\nworld: { duration: 1 s, spacing: 0.1\nmodels^: [\n", ""}),
     [](const auto& each) { return std::string(each.param.name); });
 
+TEST_F(Behaviour, ADivergedRunSaysWhenWhereAndWhyAndKeepsItsState) {
+  Command run(scratch.path,
+              {scene("added_mass_2d"), "--set", "coupling.scheme=staggered", "--set", "models.body.density=10"});
+  EXPECT_EQ(run.wait(), 4) << run.text();
+  for (const char* word : {"diverged at t =", "limit", "particles", "'body'", "is staggered", "post_mortem/"})
+    EXPECT_NE(run.text().find(word), std::string::npos) << word << " is not in\n" << run.text();
+  EXPECT_TRUE(fs::exists(scratch.path / "out/post_mortem/particles.pvd"));
+  EXPECT_EQ(run.record()["exit"], 4);
+  EXPECT_EQ(run.left_behind(), std::vector<std::string>{});
+}
+
+/// Steps that are much too long are done again, shorter, also where no rigid process has kept the states before them.
+TEST_F(Behaviour, StepsAreTakenBackWithoutARigidProcessToo) {
+  Command run(scratch.path, {scene("hydrostatic"), "--set", "numerics.courant=8", "--duration", "0.2s"});
+  EXPECT_NE(run.wait(), 5) << run.text();
+  EXPECT_GT(run.record()["step_limits"].value("retry", 0), 0) << run.text();
+}
+
 struct DeadPartner : Behaviour, ::testing::WithParamInterface<std::tuple<const char*, int>> {};
 
 TEST_P(DeadPartner, EndsTheRunWithinHalfASecondAndLeavesNothing) {
