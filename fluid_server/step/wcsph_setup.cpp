@@ -162,7 +162,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     const Accuracy accuracy = scene.world.accuracy;
     const double share = gravity_share(accuracy);
     self.implicit_options_.tolerance = (accuracy == Accuracy::kInteractive ? 5e-3 : 1e-3) * share * share;
-    self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-2 : 1e-3;
+    self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-1 : 1e-3;
   }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));
