@@ -37,8 +37,7 @@ struct Nearest {
 Nearest nearest_body(const std::vector<Body>& bodies, std::span<const exchange::BodyState> states, const Vec3& point) {
   Nearest nearest;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2],
-                 states[b].orientation[3]);
+    const Quat q = rotation_of(states[b]);
     const double distance = bodies[b].solid.distance(q.conjugate() * (point - Vec3::Map(states[b].position)));
     if (distance < nearest.distance) nearest = {b, distance};
   }

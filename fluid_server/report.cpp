@@ -46,9 +46,7 @@ struct Views {
 
 std::vector<Pose> poses_of(std::span<const exchange::BodyState> states) {
   std::vector<Pose> poses;
-  for (const auto& s : states)
-    poses.push_back(
-        {Vec3::Map(s.position), Quat(s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3])});
+  for (const auto& s : states) poses.push_back({Vec3::Map(s.position), rotation_of(s)});
   return poses;
 }
 

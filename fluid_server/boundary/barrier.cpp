@@ -40,9 +40,7 @@ void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const 
       if (change == 0) continue;
       changed |= std::abs(change) > 1e-6 * impulse;
       c.impulse = impulse;
-      const double mass = items.record[items.fluid_item[c.particle]].volume *
-                          extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
-      pushes_[c.slot].gain += (change / mass * c.normal).cast<float>();
+      pushes_[c.slot].gain += (change / c.mass * c.normal).cast<float>();
       Vector6 reaction;
       reaction << -change * c.normal, c.arm.cross(-change * c.normal);
       motion_[c.body] += mobility(c.body) * reaction;
@@ -97,7 +95,7 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
   accelerate_some(items, extras, constants, particles_, acceleration_);
   std::erase_if(contacts_, [&](Contact& c) {
     const exchange::BodyState& state = states[c.body];
-    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Quat q = rotation_of(state);
     const Record& own = items.record[items.fluid_item[c.particle]];
     const Record& sample = samples_.record[c.sample];
     const Vec3 from_sample = coordinates.difference({own.x, own.y, own.z}, {sample.x, sample.y, sample.z});
@@ -116,8 +114,8 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
     const auto mobility = Eigen::Map<const Matrix6>(state.mobility);
     Vector6 line;
     line << c.normal, c.arm.cross(c.normal);
-    const double mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
-    c.inverse_mass = 1 / mass + line.dot(mobility * line);
+    c.mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
+    c.inverse_mass = 1 / c.mass + line.dot(mobility * line);
     return false;
   });
   pushes_.resize(particles_.size());

@@ -47,7 +47,8 @@ class Barrier {
     std::uint32_t slot = 0;                          // into pushes_
     Vec3 normal = Vec3::Zero(), arm = Vec3::Zero();  // out of the solid; from its centre of mass
     double least = 0;                                // velocity of separation, at least
-    double impulse = 0, inverse_mass = 0;
+    double impulse = 0;
+    double mass = 0, inverse_mass = 0;  // of the particle; effective, of both
   };
   void find_near(const Neighbourhood& items, const std::vector<SampleSums>& sums);
   void find_touching(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,

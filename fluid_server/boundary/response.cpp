@@ -60,7 +60,7 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
     wet.item = item;
     wet.body = samples_.body[sample];
     const exchange::BodyState& state = states[wet.body];
-    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Quat q = rotation_of(state);
     wet.arm = (q * samples_.local[sample].cast<double>()).cast<float>();
     wet.penetration = 0.5f * static_cast<float>(spacing_) - (sum.nearest - samples_.depth[sample]);
     wet.reach = Eigen::Vector3f::Map(sum.wr) / sum.w;
@@ -162,7 +162,7 @@ void Response::gather_contacts(std::span<const exchange::BodyState> states) {
     const Wet& wet = wet_[sample];
     exchange::Contact& patch = patches_[samples_.patch[sample]];
     const exchange::BodyState& state = states[wet.body];
-    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Quat q = rotation_of(state);
     const Vec3 normal = q * samples_.normal[sample].cast<double>();
     const Vec3 force = final_force_[sample].cast<double>();
     patch.body = wet.body;

@@ -87,7 +87,7 @@ void Samples::place(std::span<const exchange::BodyState> states, const Coordinat
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (std::size_t k = first_moving; k < size(); ++k) {
     const exchange::BodyState& state = states[body[k]];
-    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Quat q = rotation_of(state);
     const Vec3 arm = q * local[k].cast<double>();
     const Vec3 velocity = Vec3::Map(state.velocity) + Vec3::Map(state.angular_velocity).cross(arm);
     record[k] = place_one(Vec3::Map(state.position) + arm, velocity, volume[k], coordinates);

@@ -38,6 +38,11 @@ struct Samples {
   void place(std::span<const exchange::BodyState> states, const Coordinates& coordinates, int threads);
 };
 
+/// Rotation of the body frame against the world.
+inline Quat rotation_of(const exchange::BodyState& state) {
+  return {state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]};
+}
+
 /// State of a body at t = 0.
 exchange::BodyState initial_state(const Model& model, const Body& body, const Vec3& gravity);
 

@@ -15,10 +15,6 @@ constexpr double kRough = 0.05;               // gap of solids that touch, spaci
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
 constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
 
-Quat rotation_of(const exchange::BodyState& s) {
-  return {s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3]};
-}
-
 }  // namespace
 
 Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Vec3& gravity,

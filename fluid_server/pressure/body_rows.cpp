@@ -42,7 +42,7 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
     if (!free_[body] || !(sums[s].w > 0)) continue;
     sum_of_sample_[item] = s;
     const exchange::BodyState& state = states[body];
-    const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+    const Quat q = rotation_of(state);
     arm_[s] = (q * samples.local[sample].cast<double>()).cast<float>();
   }
   const std::size_t particles = items.fluid_item.size(), blocks = (particles + kSumBlock - 1) / kSumBlock;

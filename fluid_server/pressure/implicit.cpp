@@ -199,7 +199,7 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
       const std::uint32_t body = samples_.body[sample];
       if (sample < samples_.first_moving) continue;
       const exchange::BodyState& state = states[body];
-      const Quat q(state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]);
+      const Quat q = rotation_of(state);
       const Vec3 arm = q * samples_.local[sample].cast<double>();
       const Vec3 gain = dt_ * (start_[body].head<3>() + start_[body].tail<3>().cross(arm));
       flow_[item].x += static_cast<float>(gain[0]);

@@ -136,8 +136,7 @@ std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies,
     bool held = !contained, inside = false;
     for (std::size_t b = 0; b < bodies.size() && !inside; ++b) {
       const Vec3 position = Vec3::Map(states[b].position);
-      const Quat q(states[b].orientation[0], states[b].orientation[1], states[b].orientation[2],
-                   states[b].orientation[3]);
+      const Quat q = rotation_of(states[b]);
       const Vec3 local = q.conjugate() * (p - position);
       const Box3 bounds = bodies[b].solid.bounds();
       if (bodies[b].solid.is_container())

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fluid_server/step/wcsph.h"
+#include "tests/fluid/models.h"
 
 namespace ballast::fluid {
 namespace {
@@ -15,19 +16,9 @@ constexpr double kSpacing = 0.05, kDt = 1e-3;
 struct Squeeze {
   explicit Squeeze(double density) {
     scene.world.spacing = kSpacing;
-    Model tank;
-    tank.name = "tank";
-    tank.motion = Motion::kStatic;
-    tank.shape.kind = ShapeKind::kOpenBox;
-    tank.shape.size = {0.6, 0.6, 0.6};
-    scene.models = {tank};
+    scene.models = {tank({0.6, 0.6, 0.6})};
     if (density > 0) {
-      Model plate;
-      plate.name = "plate";
-      plate.shape.kind = ShapeKind::kBox;
-      plate.shape.size = {0.4, 0.4, 0.2};
-      plate.density = density;
-      plate.pose.position = {0.3, 0.3, 0.6 * kSpacing + 0.1};
+      Model plate = box_body("plate", {0.4, 0.4, 0.2}, density, {0.3, 0.3, 0.6 * kSpacing + 0.1});
       plate.velocity = {0, 0, -60};
       scene.models.push_back(plate);
     }

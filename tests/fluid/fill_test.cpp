@@ -6,6 +6,7 @@
 
 #include "common/geometry/bodies.h"
 #include "fluid_server/step/wcsph.h"
+#include "tests/fluid/models.h"
 
 namespace ballast::fluid {
 namespace {
@@ -56,19 +57,8 @@ class Shifted : public testing::TestWithParam<double> {
   Shifted() {
     scene_.world.dimension = 2;
     scene_.world.spacing = kSpacing;
-    Model tank;
-    tank.name = "tank";
-    tank.motion = Motion::kStatic;
-    tank.shape.kind = ShapeKind::kOpenBox;
-    tank.shape.size = {2, 1, 1.5};
-    tank.pose.position = {0, -0.5, 0};
-    Model body;
-    body.name = "body";
-    body.shape.kind = ShapeKind::kBox;
-    body.shape.size = {1, 1, 0.5};
-    body.density = 500;
-    body.pose.position = {1 + GetParam() * kSpacing, 0, 1};
-    scene_.models = {tank, body};
+    scene_.models = {tank({2, 1, 1.5}, {0, -0.5, 0}),
+                     box_body("body", {1, 1, 0.5}, 500, {1 + GetParam() * kSpacing, 0, 1})};
     Fluid water;
     water.fill.box = {{0, -0.5, 0}, {2, 0.5, 1}};
     scene_.fluids = {water};

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/fluid/models.h"
+
 namespace ballast::fluid {
 namespace {
 
@@ -12,18 +14,8 @@ constexpr double kSpacing = 0.03, kSide = 0.3, kHeight = 0.15, kWeight = 9810;
 struct Standing {
   explicit Standing(double gap) {
     scene.world.spacing = kSpacing;
-    Model tank;
-    tank.name = "tank";
-    tank.motion = Motion::kStatic;
-    tank.shape.kind = ShapeKind::kOpenBox;
-    tank.shape.size = {1.2, 1.2, 0.6};
-    Model box;
-    box.name = "box";
-    box.shape.kind = ShapeKind::kBox;
-    box.shape.size = {kSide, kSide, kHeight};
-    box.density = 500;
-    box.pose.position = {0.6, 0.6, gap + kHeight / 2};
-    scene.models = {tank, box};
+    scene.models = {tank({1.2, 1.2, 0.6}),
+                    box_body("box", {kSide, kSide, kHeight}, 500, {0.6, 0.6, gap + kHeight / 2})};
     bodies = *make_bodies(scene);
     const Coordinates coordinates = Coordinates::make({{-0.2, -0.2, -0.2}, {1.4, 1.4, 0.8}}, {});
     samples = Samples::make(scene, bodies, coordinates, 1.5 * kSpacing);
