@@ -149,6 +149,7 @@ Status BodySet::load(const exchange::ManifestView& manifest) {
   now.assign(n, Motion{});
   wrenches_.assign(n, exchange::Wrench{});
   acceleration_.assign(6 * n, 0);
+  reaction_.assign(6 * n, 0);
   extra.clear();
   steps = 0;
   for (std::size_t b = 0; b < n; ++b) {
@@ -228,7 +229,23 @@ void BodySet::confine(std::size_t b) {
   now[b].position.y() = records[b].position[1];
 }
 
-void BodySet::begin_step() { before_ = now; }
+void BodySet::begin_step() {
+  before_ = now;
+  constrained_.assign(size(), false);
+  struck_.assign(6 * size(), 0);
+}
+
+void BodySet::strike(std::size_t b, const Vec3& velocity, const Vec3& spin) {
+  Eigen::Map<Vec3>(&struck_[6 * b]) += velocity;
+  Eigen::Map<Vec3>(&struck_[6 * b + 3]) += spin;
+}
+
+/// Acceleration of body b where nothing touches it, without the fluid's wrench: linear, angular.
+std::pair<Vec3, Vec3> BodySet::flight_acceleration(std::size_t b, const Motion& motion) const {
+  if (inertia[b].isotropic) return {gravity(), Vec3::Zero()};
+  const Vec3 momentum = inertia[b].world(motion.orientation) * motion.spin;
+  return {gravity(), -(inertia[b].world_inverse(motion.orientation) * motion.spin.cross(momentum))};
+}
 
 Status BodySet::check(std::size_t b) const {
   const Motion& m = now[b];
@@ -245,6 +262,14 @@ Status BodySet::end_step(double dt) {
   for (std::size_t b = 0; b < size(); ++b) {
     put(&acceleration_[6 * b], (now[b].velocity - before_[b].velocity) / dt);
     put(&acceleration_[6 * b + 3], (now[b].spin - before_[b].spin) / dt);
+    std::fill_n(&reaction_[6 * b], 6, 0.0);
+    if (dynamic(b) && constrained_[b]) {
+      const auto [linear, angular] = flight_acceleration(b, before_[b]);
+      const auto of = [&](std::size_t at) { return Vec3(vec(&acceleration_[at]) - vec(&struck_[at]) / dt); };
+      put(&reaction_[6 * b], of(6 * b) - linear - inertia[b].inverse_mass * force(b));
+      put(&reaction_[6 * b + 3],
+          of(6 * b + 3) - angular - inertia[b].world_inverse(before_[b].orientation) * torque(b));
+    }
     if (auto fine = check(b); !fine) return fine;
   }
   return ok();
@@ -271,11 +296,9 @@ void BodySet::mobility(std::span<exchange::BodyState> states, const std::vector<
     if (prescribed(b)) put(s.free_acceleration, prescribed_acceleration(records[b], time_));
     if (!dynamic(b) || held[b]) continue;
     const Mat3 inverse = inertia[b].world_inverse(now[b].orientation);
-    put(s.free_acceleration, gravity());
-    if (!inertia[b].isotropic) {
-      const Vec3 momentum = inertia[b].world(now[b].orientation) * now[b].spin;
-      put(s.free_acceleration + 3, -(inverse * now[b].spin.cross(momentum)));
-    }
+    const auto [linear, angular] = flight_acceleration(b, now[b]);
+    put(s.free_acceleration, linear + vec(&reaction_[6 * b]));
+    put(s.free_acceleration + 3, angular + vec(&reaction_[6 * b + 3]));
     for (int i = 0; i < 3; ++i) {
       s.mobility[7 * i] = planar() && i == 1 ? 0 : inertia[b].inverse_mass;
       for (int j = 0; j < 3; ++j) s.mobility[6 * (3 + i) + 3 + j] = inverse(i, j);
@@ -284,7 +307,7 @@ void BodySet::mobility(std::span<exchange::BodyState> states, const std::vector<
 }
 
 void BodySet::save(std::vector<std::byte>& out) const {
-  const std::size_t bodies = size() * (sizeof(Packed) + 6 * sizeof(double));
+  const std::size_t bodies = size() * (sizeof(Packed) + 12 * sizeof(double));
   out.resize(sizeof(Head) + bodies + extra.size() * sizeof(double));
   std::byte* to = out.data();
   const auto write = [&to](const void* from, std::size_t bytes) {
@@ -302,13 +325,14 @@ void BodySet::save(std::vector<std::byte>& out) const {
     write(&p, sizeof p);
   }
   write(acceleration_.data(), acceleration_.size() * sizeof(double));
+  write(reaction_.data(), reaction_.size() * sizeof(double));
   write(extra.data(), extra.size() * sizeof(double));
 }
 
 Status BodySet::restore(std::span<const std::byte> in) {
   Head head{};
   if (in.size() >= sizeof head) std::memcpy(&head, in.data(), sizeof head);
-  const std::size_t bodies = size() * (sizeof(Packed) + 6 * sizeof(double));
+  const std::size_t bodies = size() * (sizeof(Packed) + 12 * sizeof(double));
   if (head.bodies != size() || head.extra != extra.size() ||
       in.size() != sizeof head + bodies + extra.size() * sizeof(double)) {
     return Error{fmt::format("saved state of {} bytes does not belong to these {} bodies", in.size(), size()),
@@ -330,6 +354,7 @@ Status BodySet::restore(std::span<const std::byte> in) {
     m.spin = vec(p.spin);
   }
   take(acceleration_.data(), acceleration_.size() * sizeof(double));
+  take(reaction_.data(), reaction_.size() * sizeof(double));
   take(extra.data(), extra.size() * sizeof(double));
   before_ = now;
   return ok();

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/exchange/manifest.h"
@@ -75,6 +76,9 @@ class BodySet {
   void confine(std::size_t b);
 
   void begin_step();
+  /// Says that a contact or a joint acts on body b in this step, and how much of its change of twist is an impact's.
+  void constrain(std::size_t b) { constrained_[b] = true; }
+  void strike(std::size_t b, const Vec3& velocity, const Vec3& spin);
   Status end_step(double dt);  ///< accelerations; a body that is not finite or faster than 1e6 m/s is an error, code 4
 
   void read(std::span<exchange::BodyState> states) const;
@@ -91,10 +95,14 @@ class BodySet {
 
  private:
   Status check(std::size_t b) const;
+  std::pair<Vec3, Vec3> flight_acceleration(std::size_t b, const Motion& motion) const;
   double time_ = 0;  ///< s, of the prescribed poses
   std::vector<exchange::Wrench> wrenches_;
   std::vector<Motion> before_;
+  std::vector<bool> constrained_;
   std::vector<double> acceleration_;  ///< 6 per body
+  std::vector<double> struck_;        ///< change of twist by impacts in this step, 6 per body
+  std::vector<double> reaction_;  ///< of contacts and joints in the last step, per mass, without impacts, 6 per body
 };
 
 }  // namespace ballast::rigid

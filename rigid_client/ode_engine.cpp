@@ -29,7 +29,10 @@ class OdeEngine : public Engine {
     solver_ = std::make_unique<OdeSolver>();
     if (auto fine = solver_->load(manifest, bodies_); !fine) return fine;
     held_.assign(bodies_.size(), false);
+    jointed_.clear();
     for (const auto& joint : manifest.joints) {
+      for (const std::int32_t b : {joint.parent, joint.child})
+        if (b >= 0) jointed_.push_back(static_cast<std::size_t>(b));
       const bool to_world = joint.parent < 0 || !bodies_.dynamic(static_cast<std::size_t>(joint.parent));
       if (joint.type == exchange::JointType::kFixed && to_world) held_[static_cast<std::size_t>(joint.child)] = true;
     }
@@ -40,6 +43,7 @@ class OdeEngine : public Engine {
 
   Status step(double time, double dt) override {
     bodies_.begin_step();
+    for (const std::size_t b : jointed_) bodies_.constrain(b);
     solver_->begin_step();
     const double g = bodies_.gravity().norm();
     threshold_ = 2 * g * dt + 1e-6 * bodies_.world.length_scale / dt;
@@ -47,7 +51,8 @@ class OdeEngine : public Engine {
     int cuts = 0;
     shapes_.collide(bodies_, contacts_);
     while (done < dt * (1 - 1e-12)) {
-      if (approaching()) solver_->collide(bodies_, contacts_, threshold_);
+      note_contacts();
+      if (approaching()) strike();
       const double piece = std::min(dt - done, std::max(longest_piece(), kLeastPiece * dt));
       done += advance(time + done, piece, cuts < kMostCuts ? kLeastPiece * dt : piece, cuts);
     }
@@ -69,6 +74,18 @@ class OdeEngine : public Engine {
   double approach(const ContactPoint& c) const {
     return -(velocity_at(bodies_.now[c.body], c.position) - velocity_at(bodies_.now[c.other], c.position))
                 .dot(c.normal);
+  }
+
+  void note_contacts() {
+    for (const ContactPoint& c : contacts_) bodies_.constrain(c.body), bodies_.constrain(c.other);
+  }
+
+  /// Impacts, in zero time.
+  void strike() {
+    const std::vector<Motion> before = bodies_.now;
+    solver_->collide(bodies_, contacts_, threshold_);
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      bodies_.strike(b, bodies_.now[b].velocity - before[b].velocity, bodies_.now[b].spin - before[b].spin);
   }
 
   bool approaching() const {
@@ -123,6 +140,7 @@ class OdeEngine : public Engine {
   std::unique_ptr<OdeSolver> solver_;
   std::vector<ContactPoint> contacts_;
   std::vector<bool> held_;
+  std::vector<std::size_t> jointed_;
   double threshold_ = 0;  // m/s: contacts that approach faster are impacts
 };
 

@@ -79,7 +79,8 @@ struct BodyState {
   double velocity[3];           ///< m/s
   double angular_velocity[3];   ///< rad/s
   double acceleration[6];       ///< linear, angular: change of twist over the last step / Dt
-  double free_acceleration[6];  ///< of the twist without any wrench from the fluid; free motion = twist + Dt * this
+  double free_acceleration[6];  ///< of the twist without any wrench from the fluid; free motion = twist + Dt * this.
+                                ///< With the reactions of contacts and joints in the last step, without impacts
   double mobility[36];  ///< row-major 6x6, (linear, angular): change of twist per impulse wrench; 0 if prescribed
 };
 static_assert(sizeof(BodyState) == 8 * 61);

@@ -89,12 +89,11 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
     spin_[b] = Vec3::Map(states[b].angular_velocity);
     acceleration_[b] = free;
-    if (scheme == Scheme::kStaggered && !mobility.isZero(0)) {
+    if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
+    if (scheme == Scheme::kStaggered && films) {
       acceleration_[b] = Vector6::Map(states[b].acceleration);
-      if (!films) acceleration_[b] -= mobility * film(b);  // last step's
       continue;
     }
-    if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
     Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
     force.head<3>() += buoyancy_[b];
     Matrix6 added = Matrix6::Zero();
@@ -113,7 +112,10 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       force += per_pressure * (wet.p0 - centripetal.dot(reach));
       added.noalias() += per_pressure * per_acceleration.transpose();
     }
-    acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
+    if (scheme == Scheme::kStaggered)
+      acceleration_[b] = free + mobility * (force - added * Vector6::Map(states[b].acceleration));
+    else
+      acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
   }
 }
 

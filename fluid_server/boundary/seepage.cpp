@@ -13,13 +13,26 @@ namespace {
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
 constexpr double kRough = 0.05;               // gap of solids that touch, spacings: what is left open at corners
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
+constexpr int kSweeps = 20;                   // over the films of all bodies: stacks of ten
 constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
 
 }  // namespace
 
-Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Vec3& gravity,
-                 double density)
+Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Kernel& kernel,
+                 const Vec3& gravity, double density)
     : bodies_(bodies), samples_(samples), spacing_(scene.world.spacing), density_(density), weight_(density * gravity) {
+  // Two half spaces on a lattice have n pairs of layers n apart: column (i, j) bears the sum of n V W'/r n d over them.
+  const int reach = static_cast<int>(kernel.support / spacing_);
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = kernel.dimension == 2 ? 0 : -reach; j <= (kernel.dimension == 2 ? 0 : reach); ++j) {
+      Column column{i, j, 0};
+      for (int n = 1; n <= reach; ++n)
+        column.weight -= n * n * kernel.slope_over_r(spacing_ * std::sqrt(n * n + i * i + j * j));
+      if (column.weight > 0) columns_.push_back(column);
+    }
+  double sum = 0;
+  for (const Column& column : columns_) sum += column.weight;
+  for (Column& column : columns_) column.weight /= sum;
   wrenches_.resize(bodies.size());
   for (const Body& body : bodies) {
     const Box3 box = body.solid.bounds();
@@ -64,12 +77,22 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
       c.head = found->pressure - column(c.point - samples_.depth[place.sample] * c.normal);
       c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
     }
+    for (std::size_t i = 0; i < covered_.size(); ++i) {
+      Covered& c = covered_[i];
+      const bool open = c.share > 0 && !c.known && std::ranges::any_of(face.places[i].neighbours, [&](std::uint32_t j) {
+                          return !(covered_[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
+                        });
+      if (open) c.dry = true, c.head = -column(c.point);
+    }
+    for (Covered& c : covered_)
+      if (c.dry) c.known = c.reached = true;
     spread(face);
+    const Quat rotation = rotation_of(states[face.body]);
     for (std::size_t i = 0; i < covered_.size(); ++i) {
       const Covered& c = covered_[i];
       if (!c.reached) continue;
       const double p = std::max(c.head + column(c.point), 0.0);  // a film bears no tension
-      const double area = c.share * face.places[i].area;
+      const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
       const Vec3 force = -p * area * c.normal;
       Film& film = this->film(face.body, c.other);
       film.force += p * area;
@@ -87,6 +110,26 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
   }
 }
 
+/// Share of a place's area that the film bears: the sums over particles reach round its rim and bear the rest. With
+/// fluid beside both bodies a strip of the face is borne so, on a wider floor nothing is. It is the force between the
+/// samples behind the place and those of the other solid, were both fluid, on a lattice: only columns inside the other
+/// one count.
+double Seepage::bearing(const Covered& covered, const Quat& rotation, const exchange::BodyState& other) const {
+  int axis;
+  (rotation.conjugate() * covered.normal).cwiseAbs().minCoeff(&axis);
+  const Vec3 across = covered.normal.cross(rotation * Vec3::Unit(axis)).normalized(),
+             along = across.cross(covered.normal);
+  const Vec3 inside = covered.point + (covered.gap + 0.5 * spacing_) * covered.normal;
+  const Quat to_local = rotation_of(other).conjugate();
+  double share = 0;
+  for (const Column& column : columns_) {
+    const Vec3 at = inside + spacing_ * (column.along * along + column.across * across);
+    const double distance = bodies_[covered.other].solid.distance(to_local * (at - Vec3::Map(other.position)));
+    share += column.weight * std::clamp(0.5 - distance / spacing_, 0.0, 1.0);
+  }
+  return share;
+}
+
 Seepage::Film& Seepage::film(std::uint32_t body, std::uint32_t other) {
   for (Film& film : films_)
     if (film.body == body && film.other == other) return film;
@@ -97,35 +140,38 @@ Seepage::Film& Seepage::film(std::uint32_t body, std::uint32_t other) {
 
 void Seepage::press(std::span<const exchange::BodyState> states, std::span<const Vector6> without, double dt) {
   std::fill(wrenches_.begin(), wrenches_.end(), exchange::Wrench{});
-  for (const Film& film : films_) {
-    if (!(film.force > 0)) continue;
-    const Vec3 point = film.point / film.force, normal = film.normal.normalized();
-    // Speed at which the gap opens along the normal, from twists or accelerations of the two.
-    const auto opening = [&](const Vector6& body, const Vector6& other) {
-      const auto at = [&](const Vector6& twist, std::uint32_t b) {
-        return Vec3(twist.head<3>() + twist.tail<3>().cross(point - Vec3::Map(states[b].position)));
-      };
-      return normal.dot(at(other, film.other) - at(body, film.body));
-    };
-    const auto twist = [&](std::uint32_t b) {
-      Vector6 v;
-      v << Vec3::Map(states[b].velocity), Vec3::Map(states[b].angular_velocity);
-      return v;
-    };
-    const auto moved = [&](std::uint32_t b, const Vector6& wrench) {
-      return Vector6(Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility) * wrench);
-    };
-    const double free =
-        opening(twist(film.body) + dt * without[film.body], twist(film.other) + dt * without[film.other]);
-    const double pushed = dt * opening(moved(film.body, film.on_body), moved(film.other, film.on_other));
-    const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
-    const double fastest = gap / way * std::sqrt(2 * film.force / film.area / density_);
-    const double share = pushed > 0 ? std::clamp((fastest - free) / pushed, 0.0, 1.0) : 1.0;
-    for (const auto& [b, wrench] : {std::pair(film.body, &film.on_body), std::pair(film.other, &film.on_other)}) {
-      Vec3::Map(wrenches_[b].force) += share * wrench->head<3>();
-      Vec3::Map(wrenches_[b].torque) += share * wrench->tail<3>();
-    }
+  std::erase_if(films_, [](const Film& film) { return !(film.force > 0); });
+  std::vector<Vector6> twist(states.size());  // at the end of the step
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    twist[b] << Vec3::Map(states[b].velocity), Vec3::Map(states[b].angular_velocity);
+    twist[b] += dt * without[b];
   }
+  const auto push = [&](std::uint32_t b, const Vector6& wrench) {
+    twist[b] += dt * Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility) * wrench;
+  };
+  const auto opening = [&](const Film& film) {  // speed, m/s
+    const Vec3 point = film.point / film.force;
+    const auto at = [&](std::uint32_t b) {
+      return Vec3(twist[b].head<3>() + twist[b].tail<3>().cross(point - Vec3::Map(states[b].position)));
+    };
+    return film.normal.normalized().dot(at(film.other) - at(film.body));
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep)  // projected Gauss-Seidel: each film in turn as far as it may
+    for (Film& film : films_) {
+      const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
+      const double fastest = gap / way * std::sqrt(2 * film.force / film.area / density_);
+      const double before = film.share, now = opening(film);
+      push(film.body, film.on_body), push(film.other, film.on_other);
+      const double gain = opening(film) - now;  // of the whole film
+      film.share = gain > 0 ? std::clamp(before + (fastest - now) / gain, 0.0, 1.0) : 1.0;
+      push(film.body, (film.share - before - 1) * film.on_body),
+          push(film.other, (film.share - before - 1) * film.on_other);
+    }
+  for (const Film& film : films_)
+    for (const auto& [b, wrench] : {std::pair(film.body, &film.on_body), std::pair(film.other, &film.on_other)}) {
+      Vec3::Map(wrenches_[b].force) += film.share * wrench->head<3>();
+      Vec3::Map(wrenches_[b].torque) += film.share * wrench->tail<3>();
+    }
 }
 
 /// Which places of a body another solid lies against; false: none. Of two free bodies the first one's places count.

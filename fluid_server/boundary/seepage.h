@@ -11,14 +11,15 @@
 #include "common/geometry/bodies.h"
 #include "common/scene/scene.h"
 #include "fluid_server/boundary/samples.h"
+#include "fluid_server/kernel.h"
 
 namespace ballast::fluid {
 
 class Seepage {
  public:
-  /// `bodies` must outlive this. `gravity` in m/s^2, `density` of the fluid in kg/m^3.
-  Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Vec3& gravity,
-          double density);
+  /// `bodies` and `samples` must outlive this. `gravity` in m/s^2, `density` of the fluid in kg/m^3.
+  Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Kernel& kernel,
+          const Vec3& gravity, double density);
 
   /// What the fluid does to a wet sample.
   struct Wet {
@@ -53,6 +54,7 @@ class Seepage {
   struct Film {  // between a free body and another solid
     std::uint32_t body = 0, other = 0;
     double force = 0, area = 0, gap = 0;               // sums; the gap weighted by area
+    double share = 0;                                  // of the force, so that water can follow
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // sums weighted by force
     Vector6 on_body = Vector6::Zero(), on_other = Vector6::Zero();
   };
@@ -62,10 +64,15 @@ class Seepage {
     double gap = 0;
     double share = 0;  // 1: a narrow gap, 0: none or one that particles fit into
     double head = 0;
-    bool known = false, reached = false;
+    bool known = false, reached = false, dry = false;
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
   };
+  struct Column {  // of a lattice behind the other solid's surface, along and across the face
+    int along, across;
+    double weight;  // share of the area of a place that it bears
+  };
   bool cover(const Face& face, std::span<const exchange::BodyState> states);
+  double bearing(const Covered& covered, const Quat& rotation, const exchange::BodyState& other) const;
   void spread(const Face& face);
 
   std::span<const Body> bodies_;
@@ -74,6 +81,7 @@ class Seepage {
   double density_;
   Vec3 weight_;                // density times gravity
   std::vector<double> reach_;  // of each body's surface from its centre; infinite for planes
+  std::vector<Column> columns_;
   std::vector<Face> faces_;
   std::vector<Covered> covered_;
   std::vector<Film> films_;

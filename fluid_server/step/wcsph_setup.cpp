@@ -151,7 +151,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
         buoyancy[b] = -self.filled_.fluids[0].density * bodies[b].solid.mass_properties().volume * scene.world.gravity;
   std::unique_ptr<Seepage> films;
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
-    films = std::make_unique<Seepage>(scene, *self.samples_, bodies, gravity, self.filled_.fluids[0].density);
+    films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density);
   self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
                                               scene.coupling.contact_sets, self.spacing_, threads);
   self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
