@@ -1,21 +1,31 @@
 // fluid_server --attach NAME: the fluid process of a run whose segment exists.
+#include <omp.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 
+#include "fluid_server/passes/passes.h"
 #include "fluid_server/server.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
       "The fluid process of a Ballast run. Normally started by `ballast run`; by hand with `ballast run --by-hand`."};
   std::string name;
-  app.add_option("--attach", name, "name of the run's shared-memory segment")->required();
+  bool about = false;
+  auto* attach = app.add_option("--attach", name, "name of the run's shared-memory segment");
+  app.add_flag("--about", about, "print what this build uses on this machine, and end")->excludes(attach);
   try {
     app.parse(argc, argv);
+    if (!about && name.empty()) throw CLI::RequiredError("--attach");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ballast::kFine : ballast::kBadInput;
+  }
+  if (about) {
+    std::printf("vector instructions %s, OpenMP threads on %d cores\n", ballast::fluid::simd_name(),
+                omp_get_num_procs());
+    return ballast::kFine;
   }
   // Idle threads of the OpenMP runtime spin for milliseconds by default and starve the rigid process of its core. The
   // runtime reads this only when it is loaded, so a process started without it starts itself again.

@@ -22,6 +22,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Signs of life from a thread of its own, where somebody else works: the rigid process waits while povray draws.
+class Beating {
+ public:
+  explicit Beating(exchange::Link& link)
+      : thread_([&link](const std::stop_token& end) {
+          while (!end.stop_requested()) link.beat(), std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
 class Server {
  public:
   Server(exchange::Segment& segment, Scene scene, std::vector<Body> bodies, std::unique_ptr<WcsphFluid> fluid)
@@ -56,7 +68,10 @@ class Server {
 
   Status finish(const Status& outcome) {
     if (auto s = rows(true); !s && outcome) return s;
-    if (outcome) report_.write_final(states_, segment_.threads());
+    if (outcome && scene_.output.picture) {
+      const Beating beating(link_);
+      report_.write_final(states_, segment_.threads());
+    }
     return link_.finish(outcome ? kFine : outcome.error().exit_code,
                         report_.json(step_, time_, stopped_, states_, link_, outcome));
   }

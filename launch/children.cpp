@@ -31,6 +31,7 @@ std::size_t index(Role role) { return static_cast<std::size_t>(role); }
   // Ctrl-C, a closed terminal and what a service manager sends reach the whole group: the coordinator alone decides
   // what they mean. A signal to this process itself ends it, as its sender expects.
   setpgid(0, 0);
+  signal(SIGPIPE, SIG_DFL);  // ignored signals stay ignored through exec
   signal(SIGTTOU, SIG_IGN);  // a background group may be stopped for writing to the terminal
   const int null = open("/dev/null", O_RDONLY);
   if (null >= 0) dup2(null, 0);

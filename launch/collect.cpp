@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <limits>
 
 #include "common/output/columns.h"
+#include "common/output/whole_file.h"
 
 namespace ballast::launch {
 
@@ -19,29 +21,37 @@ using exchange::StepReport;
 Status CsvFile::open(const std::string& path, const std::vector<std::string>& columns) {
   path_ = path;
   file_.reset(std::fopen((path + ".part").c_str(), "w"));
-  if (!file_) return Error{"cannot write " + path, "choose a folder that may be written to with --out", ""};
+  if (!file_) return output::write_error(path, errno);
   std::fputs("t", file_.get());
   for (const std::string& column : columns) std::fprintf(file_.get(), ",%s", column.c_str());
   std::fputc('\n', file_.get());
   return ok();
 }
 
-void CsvFile::row(double time, std::span<const double> values) {
-  if (!file_) return;
+Status CsvFile::row(double time, std::span<const double> values) {
+  if (!file_) return ok();
+  errno = 0;
   std::fprintf(file_.get(), "%.9g", time);
   for (double value : values) std::fprintf(file_.get(), ",%.9g", value);
   std::fputc('\n', file_.get());
+  if (std::ferror(file_.get()) != 0) return failed(errno);
+  return ok();
+}
+
+/// Once said, a full disk is not said again at the end.
+Status CsvFile::failed(int reason) {
+  file_.reset();
+  return output::write_error(path_, reason);
 }
 
 Status CsvFile::close() {
   if (!file_) return ok();
-  const bool failed = std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0;
+  if (std::fflush(file_.get()) != 0 || std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) return failed(errno);
   file_.reset();
-  if (failed || std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) {
-    return Error{"cannot finish writing " + path_, "check that the disk is not full", "", kProcessFailed};
-  }
   return ok();
 }
+
+void CsvFile::unfinish() { std::rename(path_.c_str(), (path_ + ".part").c_str()); }
 
 Collector::Collector(const Scene& scene, bool fluid, bool rigid)
     : scene_(&scene), fluid_(fluid), rigid_(rigid), lockstep_(fluid && rigid) {
@@ -75,8 +85,7 @@ Status Collector::take(Role role, const Frame& frame) {
                                  frame.values().size(), probes_.columns.size()),
                      "both programs must come from the same build", "", kProcessFailed};
       }
-      probes_file_.row(frame.head.time, frame.values());
-      return ok();
+      return probes_file_.row(frame.head.time, frame.values());
     case FrameKind::kWarning: {
       std::string text = frame.text();
       if (std::ranges::find(warnings_, text) == warnings_.end()) warnings_.push_back(std::move(text));
@@ -108,7 +117,7 @@ Status Collector::take_bodies(const Frame& frame) {
                              bodies_.columns.size()),
                  "both programs must come from the same build", "", kProcessFailed};
   }
-  bodies_file_.row(frame.head.time, frame.values());
+  if (Status s = bodies_file_.row(frame.head.time, frame.values()); !s) return s;
   if (!fluid_ && !probes_.columns.empty()) return take_dry_probes(frame.head.time, frame.values());
   return ok();
 }
@@ -131,13 +140,17 @@ Status Collector::take_dry_probes(double time, std::span<const double> bodies) {
     }
   }
   probes_.add(time, row);
-  probes_file_.row(time, row);
-  return ok();
+  return probes_file_.row(time, row);
 }
 
 Status Collector::close() {
   if (Status s = bodies_file_.close(); !s) return s;
   return probes_file_.close();
+}
+
+void Collector::unfinish() {
+  bodies_file_.unfinish();
+  probes_file_.unfinish();
 }
 
 }  // namespace ballast::launch

@@ -19,10 +19,14 @@ class CsvFile {
  public:
   CsvFile() = default;
   Status open(const std::string& path, const std::vector<std::string>& columns);
-  void row(double time, std::span<const double> values);
+  /// The error of a full disk comes as soon as the kernel says so.
+  Status row(double time, std::span<const double> values);
   Status close();
+  /// Takes the name away again.
+  void unfinish();
 
  private:
+  Status failed(int reason);
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
@@ -45,6 +49,8 @@ class Collector {
   static Result<Collector> make(const Scene& scene, bool fluid, bool rigid, const std::string& out_dir);
   Status take(exchange::Role role, const exchange::Frame& frame);
   Status close();
+  /// Takes the names of the closed files away again: a run whose record cannot be written has no whole outputs.
+  void unfinish();
 
   const Table& bodies() const { return bodies_; }
   const Table& probes() const { return probes_; }

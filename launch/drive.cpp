@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "launch/progress.h"
+#include "launch/say.h"
 #include "launch/schedule.h"
 
 namespace ballast::launch {
@@ -40,6 +41,7 @@ class StopSignals {
     struct sigaction action {};
     action.sa_handler = [](int) { signals_seen = signals_seen + 1; };
     for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &old_[i]);
+    signal(SIGPIPE, SIG_IGN);  // `ballast run | head`: who reads may go, the run goes on
   }
   ~StopSignals() {
     for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &old_[i], nullptr);
@@ -68,7 +70,8 @@ class Driver {
  public:
   Driver(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
          const DriveOptions& options)
-      : control_(segment),
+      : segment_(segment),
+        control_(segment),
         children_(children),
         prepared_(prepared),
         collector_(collector),
@@ -86,6 +89,7 @@ class Driver {
       control_.wait_for_news(kNap);
       children_.poll();
       if (!look()) break;
+      forget_name();
       obey();
       grant();
       react_to_signals();
@@ -93,7 +97,7 @@ class Driver {
       publish();
       bool fine = true;
       for (Role role : roles_) fine = alive_or_finished(role) && fine;  // each must get its say in the message
-      fine = fine && outcome_.exit == kFine;
+      fine = fine && outcome_.exit == kFine && !any_silent();
       if (!fine) break;
     }
     finish();
@@ -167,7 +171,7 @@ class Driver {
       outcome_.interrupted = true;
       stop_time_ = elapsed();
       progress_.clear();
-      fmt::print(stderr, "stopping after the step under way (once more to stop at once)\n");
+      say(stderr, "stopping after the step under way (once more to stop at once)\n");
       control_.stop();
     }
     if (signals_seen > 1 || elapsed() - stop_time_ > kGraceAfterStop) children_.end_all();
@@ -234,7 +238,9 @@ class Driver {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       std::string how = children_.how_ended(role);
       if (how.empty()) how = "is gone";
-      fail(kProcessFailed, fmt::format("the {}{} {} at t = {:.4g} s", exchange::role_name(role),
+      fail(kProcessFailed, fmt::format("the {}{} {} at t = {:.4g} s\n  start again; if nobody ended it on purpose, see "
+                                       "its output above and the kernel's log (dmesg) for a kill for want of memory",
+                                       exchange::role_name(role),
                                        control_.pid(role) > 0 ? fmt::format(" (pid {})", control_.pid(role)) : "", how,
                                        collector_.totals(role).last.time));
       return false;
@@ -244,6 +250,39 @@ class Driver {
       return false;
     }
     return true;
+  }
+
+  /// A process that has not moved its heartbeat for the time-out is stopped or hangs. The two find that of each other;
+  /// this is for one without a partner, and for both at once.
+  bool any_silent() {
+    // Time in which the coordinator was stopped itself is nobody's silence.
+    const double now = elapsed(), awake = std::min(now - last_look_, 2 * std::chrono::duration<double>(kNap).count());
+    last_look_ = now;
+    // With two, each gets the time to say it of the other: it knows the step.
+    const double limit = options_.timeout * (roles_.size() > 1 ? 1.5 : 1.0);
+    bool silent = false;
+    for (Role role : roles_) {
+      Silence& s = silences_[static_cast<std::size_t>(role)];
+      const std::uint64_t beat = control_.heartbeat(role);
+      const bool counts = control_.state(role) == PeerState::kRunning && beat == s.beat;
+      s.seconds = counts ? s.seconds + awake : 0;
+      s.beat = beat;
+      if (s.seconds < limit) continue;
+      fail(kProcessFailed,
+           fmt::format("the {} (pid {}) is alive but has shown no sign of life for {:.3g} s at t = {:.4g} "
+                       "s\n  it is stopped or hangs; if its steps really take that long, raise --timeout",
+                       exchange::role_name(role), control_.pid(role), s.seconds, collector_.totals(role).last.time));
+      silent = true;
+    }
+    return silent;
+  }
+
+  /// By hand the segment needs its name until all have attached.
+  void forget_name() {
+    const auto absent = [this](Role r) { return control_.state(r) == PeerState::kAbsent; };
+    if (name_gone_ || std::ranges::any_of(roles_, absent)) return;
+    segment_.forget_name();
+    name_gone_ = true;
   }
 
   /// Ends what still runs and reads the final reports.
@@ -287,6 +326,7 @@ class Driver {
     return json::object();
   }
 
+  exchange::Segment& segment_;
   Control control_;
   Children& children_;
   const Prepared& prepared_;
@@ -302,6 +342,13 @@ class Driver {
   std::uint64_t granted_ = 0;
   bool stopping_ = false;
   std::array<bool, 2> reported_dead_{};
+  struct Silence {
+    std::uint64_t beat = 0;
+    double seconds = 0;
+  };
+  std::array<Silence, 2> silences_{};
+  double last_look_ = 0;
+  bool name_gone_ = false;
   double stop_time_ = 0;
   Outcome outcome_;
 };

@@ -31,9 +31,11 @@ struct DriveOptions {
   CommandListener* commands = nullptr;           ///< null: nobody may give any
   std::optional<std::uint64_t> stop_after = {};  ///< replay of a run that was stopped: its last step
   Publisher* publisher = nullptr;                ///< null: nobody wants messages
+  double timeout = 30;                           ///< s without a sign of life before a process counts as hung
 };
 
-/// Drives a run whose processes have been started (or will be, by hand). Ctrl-C and SIGTERM stop it in good order.
+/// Drives a run whose processes have been started (or will be, by hand). Ctrl-C, SIGTERM and SIGHUP stop it in good
+/// order.
 Outcome drive(exchange::Segment& segment, Children& children, const Prepared& prepared, Collector& collector,
               const DriveOptions& options);
 

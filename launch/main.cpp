@@ -2,11 +2,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <thread>
 
+#include "common/scene/nearest.h"
 #include "launch/bench.h"
 #include "launch/children.h"
 #include "launch/commands.h"
+#include "launch/doctor.h"
 #include "launch/lcm_commands.h"
 #include "launch/run.h"
 #include "launch/spy.h"
@@ -15,21 +20,11 @@ namespace {
 
 using namespace ballast;
 
-/// Options that every command with a scene has.
-struct SceneArguments {
-  std::string scene;
-  std::vector<std::string> sets;
+namespace fs = std::filesystem;
 
-  void add_to(CLI::App& command) {
-    command.add_option("SCENE", scene, "scene file, or name of a scene in scenes/")->required();
-    command.add_option("--set", sets, "set a value of the scene, e.g. --set fluids.water.viscosity=0.1")
-        ->type_name("PATH=VALUE");
-  }
-};
-
-/// A bare name stands for scenes/NAME.yaml, here or in the source tree (the programs lie in its build/bin).
-std::string find_scene(const std::string& given) {
-  namespace fs = std::filesystem;
+/// A bare name stands for scenes/NAME.yaml, here or in the source tree (the programs lie in its build/bin). One that is
+/// nowhere is an error with the nearest name.
+Result<std::string> find_scene(const std::string& given) {
   if (fs::exists(given)) return given;
   const std::string named = "scenes/" + given + ".yaml";
   if (fs::exists(named)) return named;
@@ -37,10 +32,19 @@ std::string find_scene(const std::string& given) {
   for (const fs::path& path : {tree / named, tree / given}) {
     if (fs::exists(path)) return path.lexically_proximate(fs::current_path()).string();
   }
-  return given;
+  std::vector<std::string> known;
+  const fs::path folder = given.find('/') == std::string::npos ? tree / "scenes" : fs::path(given).parent_path();
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().extension() != ".yaml") continue;
+    known.push_back(given.find('/') == std::string::npos ? entry.path().stem().string() : entry.path().string());
+  }
+  std::ranges::sort(known);
+  return Error{fmt::format("there is no scene file '{}'", given),
+               known.empty() ? "Check the path: its folder has no scene either." : scene::suggestion(given, known), ""};
 }
 
-/// Options of `run` that are short for --set.
+/// Options that are short for --set.
 struct Sugar {
   const char* option;
   const char* path;
@@ -53,19 +57,52 @@ constexpr Sugar kSugar[] = {
     {"--scheme", "coupling.scheme", "coupling scheme: auto, interlinked, staggered"},
 };
 
+/// Options that every command with a scene has.
+struct SceneArguments {
+  std::string scene;
+  std::vector<std::string> sets;
+  std::string short_values[std::size(kSugar)];
+
+  void add_to(CLI::App& command) {
+    command.add_option("SCENE", scene, "scene file, or name of a scene in scenes/")->required();
+    command.add_option("--set", sets, "set a value of the scene, e.g. --set fluids.water.viscosity=0.1")
+        ->type_name("PATH=VALUE");
+    for (std::size_t i = 0; i < std::size(kSugar); ++i) {
+      command.add_option(kSugar[i].option, short_values[i], kSugar[i].help)->type_name("VALUE");
+    }
+  }
+  /// In the order of --set, then the short forms as the overrides that they stand for.
+  Overrides overrides() const {
+    Overrides out;
+    for (const std::string& set : sets) {
+      const std::size_t at = set.find('=');
+      if (at == std::string::npos || at == 0) {
+        throw CLI::ValidationError("--set", "'" + set + "' is not PATH=VALUE, e.g. world.duration=2s");
+      }
+      out.emplace_back(set.substr(0, at), set.substr(at + 1));
+    }
+    for (std::size_t i = 0; i < std::size(kSugar); ++i) {
+      if (!short_values[i].empty()) out.emplace_back(kSugar[i].path, short_values[i]);
+    }
+    return out;
+  }
+};
+
+/// More threads than this are a slip of the hand: a few per core already gain nothing.
+int most_threads() { return std::max(64, 4 * static_cast<int>(std::thread::hardware_concurrency())); }
+
 /// Options of `run`.
 struct RunArguments {
   launch::RunOptions options;
-  std::string short_values[std::size(kSugar)];
   bool picture = false, vtk = false, lcm = false;
 
   void add_to(CLI::App& run) {
-    for (std::size_t i = 0; i < std::size(kSugar); ++i) {
-      run.add_option(kSugar[i].option, short_values[i], kSugar[i].help)->type_name("VALUE");
-    }
     run.add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
     run.add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
-        ->check(CLI::Range(1, 1024));
+        ->check(CLI::Range(1, most_threads()));
+    run.add_option("--timeout", options.timeout, "seconds without a sign of life before a process counts as hung")
+        ->check(CLI::Range(0.2, 1e6))
+        ->capture_default_str();
     run.add_option("--references", options.references, "folder with reference curves")->type_name("DIR");
     run.add_flag("--picture", picture, "draw picture.png of the last state (needs povray)");
     run.add_flag("--vtk", vtk, "write ParaView files at every output time");
@@ -78,11 +115,8 @@ struct RunArguments {
     run.add_flag("--by-hand", options.by_hand, "print the commands of the two processes instead of starting them");
     run.add_flag("--quiet", options.quiet, "no progress, only the last five lines");
   }
-  /// Writes the short forms as the overrides that they stand for.
+  /// Adds the flags as the overrides that they stand for.
   void spell_out() {
-    for (std::size_t i = 0; i < std::size(kSugar); ++i) {
-      if (!short_values[i].empty()) options.overrides.emplace_back(kSugar[i].path, short_values[i]);
-    }
     if (picture) options.overrides.emplace_back("output.picture", "true");
     if (vtk) options.overrides.emplace_back("output.vtk", "true");
     if (lcm || options.lcm_commands || !options.lcm_url.empty()) options.overrides.emplace_back("output.lcm", "true");
@@ -110,16 +144,36 @@ CLI::App* add_tell(CLI::App& app, launch::RunCommand& command, std::string& url)
   return tell;
 }
 
-Overrides overrides_of(const std::vector<std::string>& sets) {
-  Overrides out;
-  for (const std::string& set : sets) {
-    const std::size_t at = set.find('=');
-    if (at == std::string::npos || at == 0) {
-      throw CLI::ValidationError("--set", "'" + set + "' is not PATH=VALUE, e.g. world.duration=2s");
-    }
-    out.emplace_back(set.substr(0, at), set.substr(at + 1));
-  }
+/// Names of the commands, or the options of one.
+std::vector<std::string> words_of(const CLI::App& app, bool options) {
+  std::vector<std::string> out;
+  if (!options)
+    for (const CLI::App* command : app.get_subcommands({})) out.push_back(command->get_name());
+  else
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& name : option->get_lnames()) out.push_back("--" + name);
   return out;
+}
+
+/// What CLI11 only calls unexpected, with the nearest name: exit code 2, or nothing if it is neither command nor
+/// option.
+std::optional<int> unknown_word(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2) return std::nullopt;
+  const auto commands = words_of(app, false);
+  const std::string first = argv[1];
+  if (!first.starts_with("-") && std::ranges::find(commands, first) == commands.end()) {
+    fmt::print(stderr, "ballast: there is no command '{}'\n  {}\n", first, scene::suggestion(first, commands));
+    return kBadInput;
+  }
+  if (first.starts_with("-")) return std::nullopt;
+  const auto options = words_of(*app.get_subcommand(first), true);
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = argv[i], name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || name == "--" || std::ranges::find(options, name) != options.end()) continue;
+    fmt::print(stderr, "ballast: {} has no option '{}'\n  {}\n", first, name, scene::suggestion(name, options));
+    return kBadInput;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -153,6 +207,7 @@ int main(int argc, char** argv) {
   CLI::App* spy = app.add_subcommand("spy", "lcm-spy: a window with every channel and field of runs with --lcm");
   std::string spy_url;
   spy->add_option("--lcm-url", spy_url, "LCM URL to listen at")->type_name("URL");
+  CLI::App* doctor = app.add_subcommand("doctor", "does this machine have what runs need; what cures it where not");
   std::string bench_out = "out/bench", filter;
   CLI::App* bench = app.add_subcommand("bench", "run the benchmarks and merge their figures into DIR/bench.json");
   bench->add_option("--out", bench_out, "folder for bench.json")->type_name("DIR")->capture_default_str();
@@ -160,16 +215,26 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-    wanted.options.overrides = overrides_of(arguments.sets);
+    wanted.options.overrides = arguments.overrides();
   } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0)
+      if (const auto code = unknown_word(app, argc, argv)) return *code;
     return app.exit(error) == 0 ? kFine : kBadInput;
   }
   if (*watch || *tap) return launch::become_monitor({argv + 1, argv + argc});
+  if (*doctor) return launch::doctor();
   if (*spy) return launch::spy(spy_url);
   if (*tell) return launch::tell(command, tell_url);
   launch::RunOptions& options = wanted.options;
   wanted.spell_out();
-  options.scene = find_scene(arguments.scene);
+  if (*run || *check || *resolve || *plan) {
+    const auto scene_file = find_scene(arguments.scene);
+    if (!scene_file) {
+      fmt::print(stderr, "ballast: {}\n", scene_file.error().text());
+      return kBadInput;
+    }
+    options.scene = *scene_file;
+  }
 
   if (*run) return launch::run(options);
   if (*check) return launch::check(options.scene, options.overrides);

@@ -1,7 +1,8 @@
-// In place of publish.cpp and lcm_commands.cpp where LCM is not installed: asking for it is an error, everything else
+// In place of publish*.cpp and lcm_*.cpp where LCM is not installed: asking for it is an error, everything else
 // works.
 #include <fmt/format.h>
 
+#include "launch/doctor.h"
 #include "launch/lcm_commands.h"
 #include "launch/publish.h"
 
@@ -28,6 +29,7 @@ Result<std::unique_ptr<CommandListener>> CommandListener::make(const std::string
 }
 CommandListener::~CommandListener() = default;
 std::vector<RunCommand> CommandListener::take() { return {}; }
+Result<std::string> lcm_round_trip() { return Publisher::available().error(); }
 int tell(const RunCommand&, const std::string&) {
   fmt::print(stderr, "ballast: {}\n", Publisher::available().error().text());
   return kBadInput;

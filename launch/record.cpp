@@ -118,8 +118,19 @@ void add_lists(json& record, const Prepared& prepared, const Outcome& outcome, c
   }
 }
 
-std::string bytes_text(const json& bytes) {
-  return bytes.is_number() ? fmt::format("{:.0f} MB", bytes.get<double>() / 1e6) : "unknown";
+constexpr const char* kNone = "not reported";  // by a process that was ended before its final report
+
+/// Of the processes that took part.
+std::string memory_text(const json& r) {
+  std::string text = "memory:";
+  for (const auto& [side, takes_part] :
+       {std::pair{"fluid", r["has_fluid"].get<bool>()}, std::pair{"rigid", r["engine"].is_string()}}) {
+    if (!takes_part) continue;
+    const json& bytes = r["rss_bytes"][side];
+    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", side,
+                        bytes.is_number() ? fmt::format("{:.0f} MB", bytes.get<double>() / 1e6) : kNone);
+  }
+  return text;
 }
 
 std::string percent(const json& value) {
@@ -127,7 +138,7 @@ std::string percent(const json& value) {
 }
 
 std::string number_text(const json& value, const char* format) {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "unknown";
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : kNone;
 }
 
 const char* exit_text(int code) {
@@ -262,14 +273,14 @@ std::vector<std::string> summary_lines(const json& r, const std::string& out_dir
     speed += ", " + number_text(r["particle_steps_per_s"], "{:.3g}") + " particle-steps/s";
   std::string size =
       particles.is_object()
-          ? fmt::format("{} particles, {} samples of solids, {} lost, {} bodies; memory: fluid {}, rigid {}",
+          ? fmt::format("{} particles, {} samples of solids, {} lost, {} bodies; {}",
                         number_text(get(particles, "fluid"), "{:.0f}"),
                         number_text(get(particles, "boundary"), "{:.0f}"),
-                        number_text(get(particles, "lost"), "{:.0f}"), r["bodies"].get<std::size_t>(),
-                        bytes_text(r["rss_bytes"]["fluid"]), bytes_text(r["rss_bytes"]["rigid"]))
-          : fmt::format("{} particles, {} bodies; memory: rigid {}", r["has_fluid"].get<bool>() ? "unknown" : "no",
-                        r["bodies"].get<std::size_t>(), bytes_text(r["rss_bytes"]["rigid"]));
-  std::string errors = r["has_fluid"].get<bool>() ? "density error unknown" : "no fluid, no density error";
+                        number_text(get(particles, "lost"), "{:.0f}"), r["bodies"].get<std::size_t>(), memory_text(r))
+          : fmt::format("{}, {} bodies; {}",
+                        r["has_fluid"].get<bool>() ? "number of particles not reported" : "no particles",
+                        r["bodies"].get<std::size_t>(), memory_text(r));
+  std::string errors = r["has_fluid"].get<bool>() ? "density error not reported" : "no fluid, no density error";
   if (particles.is_object()) {
     errors = fmt::format("density error {} (largest {})", percent(get(r["error"], "density_mean")),
                          percent(get(r["error"], "density_max")));

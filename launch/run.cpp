@@ -24,6 +24,7 @@
 #include "launch/prepare.h"
 #include "launch/publish.h"
 #include "launch/record.h"
+#include "launch/say.h"
 #include "msgs/url.h"
 
 namespace ballast::launch {
@@ -35,7 +36,7 @@ using exchange::Segment;
 namespace {
 
 int fail(const Error& error) {
-  fmt::print(stderr, "ballast: {}\n", error.text());
+  say(stderr, "ballast: {}\n", error.text());
   return error.exit_code;
 }
 
@@ -98,7 +99,7 @@ void show_log(Role role, const std::string& out_dir, const std::string& message)
   for (std::string line; std::getline(file, line);) {
     const std::size_t colon = line.find(": ");
     const bool repeated = message.find(colon == std::string::npos ? line : line.substr(colon + 2)) != std::string::npos;
-    if (!line.empty() && !repeated) fmt::print(stderr, "{}\n", line);
+    if (!line.empty() && !repeated) say(stderr, "{}\n", line);
   }
   fs::remove(log_of(role, out_dir));
 }
@@ -115,13 +116,14 @@ Command command_for(Role role, const std::string& segment, const Prepared& prepa
 
 Status start_or_print(Children& children, const Prepared& prepared, const std::string& segment,
                       const RunOptions& options, const std::string& out_dir) {
-  if (options.by_hand) fmt::print("Type each of these in a terminal of its own; the run starts when they are there.\n");
+  if (options.by_hand)
+    say(stdout, "Type each of these in a terminal of its own; the run starts when they are there.\n");
   for (Role role : {Role::kFluid, Role::kRigid}) {
     if (!(role == Role::kFluid ? prepared.fluid : prepared.rigid)) continue;
     Command command = command_for(role, segment, prepared, options.threads);
     command.log = log_of(role, out_dir);
     if (options.by_hand) {
-      fmt::print("  {}\n", command.line());
+      say(stdout, "  {}\n", command.line());
     } else if (Status s = children.start(role, command); !s) {
       return s;
     }
@@ -185,7 +187,7 @@ std::vector<Pose> poses_at(const Prepared& prepared, const Table& rows, std::siz
 void draw_dry(const Prepared& prepared, const Table& rows, const std::string& out_dir, int threads) {
   if (rows.rows() == 0) return;
   const auto warn = [](const Status& s) {
-    if (!s) fmt::print(stderr, "ballast: warning: {}\n", s.error().text());
+    if (!s) say(stderr, "ballast: warning: {}\n", s.error().text());
   };
   if (prepared.scene.output.vtk) {
     output::VtkSeries series(out_dir + "/vtk");
@@ -203,9 +205,8 @@ void draw_dry(const Prepared& prepared, const Table& rows, const std::string& ou
 void print_warnings(const nlohmann::json& warnings) {
   constexpr std::size_t kShown = 12;
   for (std::size_t i = 0; i < std::min(warnings.size(), kShown); ++i)
-    fmt::print(stderr, "ballast: warning: {}\n", warnings[i].get<std::string>());
-  if (warnings.size() > kShown)
-    fmt::print(stderr, "ballast: {} more warnings in record.json\n", warnings.size() - kShown);
+    say(stderr, "ballast: warning: {}\n", warnings[i].get<std::string>());
+  if (warnings.size() > kShown) say(stderr, "ballast: {} more warnings in record.json\n", warnings.size() - kShown);
 }
 
 /// Judges, writes the record, prints the end of the run.
@@ -226,30 +227,35 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
   const std::vector<Verdict> verdicts = judge(evidence);
   for (const Verdict& v : verdicts) {
     if (v.reference_missing) {
-      fmt::print("not judged: {}: reference not installed (--references DIR)\n", v.name);
+      say(stdout, "not judged: {}: reference not installed (--references DIR)\n", v.name);
     } else if (!v.pass) {
-      fmt::print("MISSED: {}: {:.6g}, bound {}{}\n", v.name, v.value, v.bound_text(),
-                 v.note.empty() ? "" : " (" + v.note + ")");
+      say(stdout, "MISSED: {}: {:.6g}, bound {}{}\n", v.name, v.value, v.bound_text(),
+          v.note.empty() ? "" : " (" + v.note + ")");
       if (outcome.exit == kFine) outcome.exit = kExpectationMissed;
     }
   }
   if (!prepared.fluid) draw_dry(prepared, collector.bodies(), out_dir, options.threads);
   const nlohmann::json record = make_record(prepared, outcome, collector, verdicts, options.threads);
   if (!options.quiet) {
-    for (const std::string& line : fill_lines(outcome.fluid)) fmt::print("{}\n", line);
+    for (const std::string& line : fill_lines(outcome.fluid)) say(stdout, "{}\n", line);
   }
   print_warnings(record["warnings"]);
-  if (Status s = output::write_whole(out_dir + "/record.json", record.dump(2) + "\n"); !s) return fail(s.error());
+  if (Status s = output::write_whole(out_dir + "/record.json", record.dump(2) + "\n"); !s) {
+    collector.unfinish();
+    if (!outcome.message.empty()) say(stderr, "ballast: {}\n", outcome.message);
+    for (Role role : {Role::kFluid, Role::kRigid}) show_log(role, out_dir, outcome.message);
+    return fail(s.error());
+  }
   std::string files = "record.json";
   for (const char* name : {"bodies.csv", "probes.csv", "picture.png", "vtk"}) {
     if (fs::exists(fs::path(out_dir) / name)) files += std::string(", ") + name;
   }
   fs::path shown = fs::path(out_dir).lexically_proximate(fs::current_path());
-  if (!outcome.message.empty()) fmt::print(stderr, "ballast: {}\n", outcome.message);
+  if (!outcome.message.empty()) say(stderr, "ballast: {}\n", outcome.message);
   for (Role role : {Role::kFluid, Role::kRigid}) show_log(role, out_dir, outcome.message);
   std::fflush(stderr);
   for (const std::string& line : summary_lines(record, fmt::format("{} ({})", shown.string(), files)))
-    fmt::print("{}\n", line);
+    say(stdout, "{}\n", line);
   return outcome.exit;
 }
 
@@ -264,11 +270,11 @@ int run(const RunOptions& options) {
   if (!folder) return fail(folder.error());
   const std::string& out_dir = folder->path;
   for (const std::string& name : Segment::remove_stale()) {
-    fmt::print(stderr, "ballast: removed /dev/shm/{}, left by a run that was killed\n", name);
+    say(stderr, "ballast: removed /dev/shm/{}, left by a run that was killed\n", name);
   }
   if (!options.quiet) {
     for (const LeftOut& l : prepared->left_out) {
-      if (l.what.ends_with("process")) fmt::print("{}: no {}\n", l.why, l.what);
+      if (l.what.ends_with("process")) say(stdout, "{}: no {}\n", l.why, l.what);
     }
     std::fflush(stdout);
   }
@@ -282,16 +288,19 @@ int run(const RunOptions& options) {
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;
   plan.rigid = prepared->rigid;
+  plan.named = options.by_hand;
+  plan.peer_timeout = options.timeout;
   if (!lcm->url.empty()) plan.monitor = Publisher::frames_wanted(*prepared);
   const std::string name = Segment::make_name();
   auto segment = Segment::create(name, plan);
   if (!segment) return fail(segment.error());
 
   Children children;
-  if (Status s = start_or_print(children, *prepared, name, options, out_dir); !s) return fail(s.error());
+  if (Status s = start_or_print(children, *prepared, segment->path(), options, out_dir); !s) return fail(s.error());
   if (Status s = open_lcm(*lcm, options, *prepared); !s) return fail(s.error());
-  Outcome outcome = drive(*segment, children, *prepared, *collector,
-                          {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get()});
+  Outcome outcome = drive(
+      *segment, children, *prepared, *collector,
+      {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get(), options.timeout});
   return conclude(*prepared, outcome, *collector, options, out_dir);
 }
 

@@ -15,6 +15,7 @@ struct RunOptions {
   bool lcm_commands = false;            ///< obey commands over LCM
   std::string replay;                   ///< record of a run that a command stopped; empty: none
   int threads = 0;                      ///< of the fluid process; 0: all cores
+  double timeout = 30;                  ///< s without a sign of life before a process counts as hung
   bool by_hand = false;                 ///< print the commands of the two processes instead of starting them
   bool quiet = false;                   ///< no progress
   std::vector<std::string> references;  ///< folders with reference curves; empty: the usual places

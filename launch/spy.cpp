@@ -20,9 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int fail(const std::string& what, const std::string& cure, int code = kBadInput) {
-  fmt::print(stderr, "ballast: {}\n  {}\n", what, cure);
-  return code;
+int fail(const Error& error) {
+  fmt::print(stderr, "ballast: {}\n", error.text());
+  return error.exit_code;
 }
 
 std::string find_jar(const std::string& name) {
@@ -31,6 +31,18 @@ std::string find_jar(const std::string& name) {
   }
   return "";
 }
+
+int become(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(argv[0], argv.data());
+  return fail(
+      {fmt::format("cannot start {}: {}", words[0], std::strerror(errno)), "build all of Ballast", "", kProcessFailed});
+}
+
+}  // namespace
 
 bool on_path(const std::string& program) {
   const char* path = std::getenv("PATH");
@@ -43,45 +55,39 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-int become(std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  std::fflush(nullptr);
-  execvp(argv[0], argv.data());
-  return fail(fmt::format("cannot start {}: {}", words[0], std::strerror(errno)), "build all of Ballast",
-              kProcessFailed);
+Result<SpyFiles> find_spy() {
+  SpyFiles files{program_folder() + "/ballast_types.jar", find_jar("lcm.jar"), find_jar("jchart2d.jar")};
+  if (!on_path("java"))
+    return Error{"lcm-spy needs Java, and there is no program java", "apt-get install default-jre", ""};
+  if (files.lcm.empty()) return Error{"lcm-spy is not installed: no lcm.jar", "apt-get install liblcm-java", ""};
+  if (files.charts.empty())
+    return Error{"lcm-spy cannot show fields: no jchart2d.jar", "apt-get install libjchart2d-java", ""};
+  if (!fs::exists(files.types))
+    return Error{
+        "the types for lcm-spy were not built: no " + files.types,
+        "apt-get install default-jdk liblcm-dev liblcm-bin liblcm-java, then `touch CMakeLists.txt` and start again",
+        ""};
+  return files;
 }
-
-}  // namespace
 
 int spy(const std::string& lcm_url) {
   const auto url = msgs::url_to_open(lcm_url);
-  if (!url) return fail(url.error().text(), "see ballast spy --help");
-  const std::string types = program_folder() + "/ballast_types.jar", lcm = find_jar("lcm.jar"),
-                    charts = find_jar("jchart2d.jar");
-  if (!on_path("java")) return fail("lcm-spy needs Java, and there is no program java", "apt-get install default-jre");
-  if (lcm.empty()) return fail("lcm-spy is not installed: no lcm.jar", "apt-get install liblcm-java");
-  if (charts.empty()) {
-    return fail("lcm-spy cannot show fields: no jchart2d.jar", "apt-get install libjchart2d-java");
-  }
-  if (!fs::exists(types)) {
-    return fail(
-        "the types for lcm-spy were not built: no " + types,
-        "apt-get install default-jdk liblcm-dev liblcm-bin liblcm-java, then `touch CMakeLists.txt` and start again");
-  }
+  if (!url) return fail(url.error());
+  const auto files = find_spy();
+  if (!files) return fail(files.error());
   if (const char* display = std::getenv("DISPLAY"); display == nullptr || *display == 0)
-    return fail("lcm-spy is a window, and there is no DISPLAY", "use ballast watch instead");
-  setenv("CLASSPATH", types.c_str(), 1);
+    return fail({"lcm-spy is a window, and there is no DISPLAY", "use ballast watch instead", ""});
+  setenv("CLASSPATH", files->types.c_str(), 1);
   setenv("LCM_DEFAULT_URL", url->c_str(), 1);
-  return become({"java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp", lcm + ":" + charts, "lcm.spy.Spy"});
+  return become(
+      {"java", "-Djava.net.preferIPv4Stack=true", "-Xmx256m", "-cp", files->lcm + ":" + files->charts, "lcm.spy.Spy"});
 }
 
 int become_monitor(std::vector<std::string> arguments) {
   const std::string program = program_folder() + "/ballast_monitor";
   if (!fs::exists(program)) {
-    return fail("this build of Ballast has no monitors, for LCM was missing: no " + program,
-                "apt-get install liblcm-dev liblcm-bin, then `touch CMakeLists.txt` and start again");
+    return fail({"this build of Ballast has no monitors, for LCM was missing: no " + program,
+                 "apt-get install liblcm-dev liblcm-bin, then `touch CMakeLists.txt` and start again", ""});
   }
   arguments.insert(arguments.begin(), program);
   return become(std::move(arguments));

@@ -190,6 +190,10 @@ std::string Control::final_report(Role role) const {
   return bytes <= text.size() ? std::string(text.data(), bytes) : std::string();
 }
 
+std::uint64_t Control::heartbeat(Role role) const {
+  return segment_.impl().peer(role).heartbeat.load(std::memory_order_relaxed);
+}
+
 int Control::pid(Role role) const {
   return static_cast<int>(segment_.impl().peer(role).pid.load(std::memory_order_relaxed));
 }

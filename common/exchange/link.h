@@ -25,6 +25,7 @@ struct SegmentPlan {
   std::uint32_t threads = 0;            ///< of the fluid; 0: all cores
   std::uint32_t monitor = 0;            ///< monitor_bit() of the frames that monitors want
   bool fluid = true, rigid = true;      ///< which processes take part
+  bool named = true;                    ///< false: it loses its name at once; attach by path()
   std::size_t contact_bytes = 1 << 20;  ///< ring fluid -> rigid
   std::size_t report_bytes = 8 << 20;   ///< ring of each process -> coordinator
   std::size_t final_bytes = 1 << 20;    ///< final report (JSON text) of each process
@@ -38,7 +39,7 @@ class Segment {
   /// taken.
   static Result<Segment> create(const std::string& name, const SegmentPlan& plan);
   /// Maps an existing segment after checking owner, mode, magic, version, layout hash and size; registers this process
-  /// (pid and start time) in its role; refuses a role that is taken or not part of the run.
+  /// (pid and start time) in its role; refuses a role that is taken or not part of the run. `name` may be a path().
   static Result<Segment> attach(const std::string& name, Role role);
   static std::string make_name();  ///< "ballast-<uid>-<pid>-<random>"
   static void remove(const std::string& name);
@@ -49,6 +50,11 @@ class Segment {
   ~Segment();
 
   const std::string& name() const;
+  /// What to give to attach(): the name, or where it has none, /proc/<pid>/fd/<number> of the coordinator, which lasts
+  /// as long as the coordinator and this object.
+  const std::string& path() const;
+  /// Removes the name once nobody needs it any more: all have attached.
+  void forget_name();
   ManifestView manifest() const;
   std::string_view scene_text() const;
   std::string out_dir() const;
@@ -62,6 +68,8 @@ class Segment {
 
  private:
   explicit Segment(std::unique_ptr<Impl> impl);
+  template <class Object>
+  static Result<Segment> map_and_claim(const std::string& name, Role role, const Object& object);
   std::unique_ptr<Impl> impl_;
 };
 
@@ -141,6 +149,7 @@ class Control {
   Status drain(Role role, std::vector<Frame>& out);
   /// Sleeps until a process has posted something, or for the time given.
   void wait_for_news(std::chrono::milliseconds at_most);
+  std::uint64_t heartbeat(Role role) const;   ///< changes while the process lives and is not stopped
   PeerState state(Role role) const;           ///< kDead: process gone without finish()
   int exit_code(Role role) const;             ///< after kFinished
   std::string final_report(Role role) const;  ///< JSON text after kFinished

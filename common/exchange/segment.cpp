@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <boost/interprocess/shared_memory_object.hpp>
+#include <boost/interprocess/file_mapping.hpp>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -24,8 +24,11 @@ namespace bip = boost::interprocess;
 
 constexpr const char* kFolder = "/dev/shm/";
 
+/// Path of a segment without a name: /proc/<pid of its coordinator>/fd/<number>.
+bool is_path(const std::string& name) { return name.starts_with("/proc/"); }
+
 Error failure(const std::string& name, const std::string& what, const std::string& cure) {
-  return {what, cure, kFolder + name, kProcessFailed};
+  return {what, cure, is_path(name) ? name : kFolder + name, kProcessFailed};
 }
 
 bool good_name(const std::string& name) {
@@ -210,6 +213,11 @@ Result<Segment> Segment::create(const std::string& name, const SegmentPlan& plan
   impl->name = name;
   bip::shared_memory_object object(bip::create_only, name.c_str(), bip::read_write, bip::permissions(0600));
   impl->creator = ::getpid();  // from here on the destructor removes the name, whatever goes wrong
+  if (!plan.named) {
+    // At once: from here on the kernel frees it with the last of its processes, however they end.
+    Segment::remove(name);
+    impl->path = "/proc/" + std::to_string(impl->creator) + "/fd/" + std::to_string(object.get_mapping_handle().handle);
+  }
   auto region = reserve_and_map(name, object, bytes);
   if (!region) return region.error();
   impl->region.swap(*region);
@@ -228,6 +236,7 @@ Result<Segment> Segment::create(const std::string& name, const SegmentPlan& plan
   if (auto good = check_manifest(impl->manifest); !good) return good.error();
   // release: partner is the acquire in attach(); whoever sees the magic sees everything above
   impl->header().magic.store(kMagic, std::memory_order_release);
+  if (!plan.named) impl->object.swap(object);  // open as long as others may attach
   return Segment(std::move(impl));
 } catch (const bip::interprocess_exception& e) {
   const bool taken = e.get_error_code() == bip::already_exists_error;
@@ -236,9 +245,17 @@ Result<Segment> Segment::create(const std::string& name, const SegmentPlan& plan
 }
 
 Result<Segment> Segment::attach(const std::string& name, Role role) try {
+  if (is_path(name)) return map_and_claim(name, role, bip::file_mapping(name.c_str(), bip::read_write));
   if (!good_name(name))
     return failure(name, "this cannot be the name of a shared-memory object", "copy the run's name");
-  bip::shared_memory_object object(bip::open_only, name.c_str(), bip::read_write);
+  return map_and_claim(name, role, bip::shared_memory_object(bip::open_only, name.c_str(), bip::read_write));
+} catch (const bip::interprocess_exception& e) {
+  return failure(name, std::string("cannot be opened: ") + e.what(),
+                 "is the coordinator of this run still alive, and does it run under this user?");
+}
+
+template <class Object>
+Result<Segment> Segment::map_and_claim(const std::string& name, Role role, const Object& object) {
   struct stat info {};
   if (::fstat(object.get_mapping_handle().handle, &info) != 0) {
     return failure(name, std::string("cannot be examined: ") + std::strerror(errno), "check /dev/shm");
@@ -257,10 +274,9 @@ Result<Segment> Segment::attach(const std::string& name, Role role) try {
   if (auto good = claim(*impl, role); !good) return good.error();
   impl->creator = 0;
   return Segment(std::move(impl));
-} catch (const bip::interprocess_exception& e) {
-  return failure(name, std::string("cannot be opened: ") + e.what(),
-                 "is the coordinator of this run still alive, and does it run under this user?");
 }
+
+void Segment::forget_name() { remove(impl_->name); }
 
 std::string Segment::make_name() {
   std::random_device random;
@@ -291,6 +307,7 @@ Segment& Segment::operator=(Segment&&) noexcept = default;
 Segment::~Segment() = default;
 
 const std::string& Segment::name() const { return impl_->name; }
+const std::string& Segment::path() const { return impl_->path.empty() ? impl_->name : impl_->path; }
 ManifestView Segment::manifest() const { return impl_->manifest; }
 std::string_view Segment::scene_text() const {
   const auto text = impl_->records<char>(Part::kSceneText);

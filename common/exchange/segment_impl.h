@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <boost/interprocess/mapped_region.hpp>
+#include <boost/interprocess/shared_memory_object.hpp>
 
 #include "common/exchange/layout.h"
 
@@ -13,6 +14,8 @@ inline constexpr std::chrono::milliseconds kSlice{50};
 
 struct Segment::Impl {
   std::string name;
+  std::string path;  ///< of a segment without a name, for others to attach; empty where it has one
+  boost::interprocess::shared_memory_object object;  ///< open only where there is no name
   int creator = -1;  ///< pid of the creating process; 0 where it has attached; -1 while neither is achieved
   boost::interprocess::mapped_region region;
   ManifestView manifest;

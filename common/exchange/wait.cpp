@@ -119,8 +119,9 @@ Result<Waiter::Look> Waiter::look_at(Role role, bool awaited, double awake) {
     silence_ = 0;
   }
   if (awaited && silence_ >= header.peer_timeout) {
-    return complaint(role, "is alive but has shown no sign of life for " + number(silence_) + " s",
-                     "it hangs or is stopped; if its steps really take that long, raise the peer timeout");
+    return complaint(
+        role, "is alive but has shown no sign of life for " + number(silence_) + " s",
+        "it hangs or is stopped; if its steps really take that long, raise the time-out (ballast run --timeout)");
   }
   return Look::kGoOn;
 }

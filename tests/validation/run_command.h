@@ -1,5 +1,6 @@
 // `ballast run` as a child: what it printed, which processes it started, how it ended, what it left behind.
 #pragma once
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -13,6 +14,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -88,6 +90,30 @@ class Command {
   }
   /// Names of all that wait() has seen.
   const std::set<std::string>& seen() const { return seen_; }
+  pid_t pid() const { return pid_; }
+  void send(int signal) const { kill(pid_, signal); }
+  /// Waits, at most 20 s, until this many children run.
+  bool has_children(std::size_t count) const {
+    for (int i = 0; i < 4000 && children().size() < count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return children().size() >= count;
+  }
+  /// Processes on this machine, zombies aside, that have attached to this run's memory or are about to.
+  std::vector<pid_t> attached() const {
+    std::vector<pid_t> out;
+    const std::string path = "/proc/" + std::to_string(pid_) + "/fd/";
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+      std::string words(4096, 0);  // empty for a zombie; not by a stream, which throws when the process goes meanwhile
+      const int file = open((entry.path() / "cmdline").c_str(), O_RDONLY | O_CLOEXEC);
+      const ssize_t got = file < 0 ? 0 : read(file, words.data(), words.size());
+      if (file >= 0) close(file);
+      words.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+      if (words.find("--attach") != std::string::npos && words.find(path) != std::string::npos)
+        out.push_back(std::atoi(entry.path().filename().c_str()));
+    }
+    return out;
+  }
   std::string text() const { return text_of(folder_ / "log"); }
   nlohmann::json record() const { return nlohmann::json::parse(text_of(folder_ / "out/record.json"), nullptr, false); }
   /// Last row of a CSV file in the output folder, by column.

@@ -110,6 +110,37 @@ TEST(segment, is_removed_by_its_creator_only) {
   EXPECT_FALSE(in_shm(name));
 }
 
+TEST(segment, without_a_name_is_attached_by_its_path_as_long_as_its_creator_has_it) {
+  SegmentPlan plan = plan_of(2);
+  plan.named = false;
+  std::string path;
+  {
+    auto segment = Segment::create(Segment::make_name(), plan);
+    ASSERT_TRUE(segment) << segment.error().text();
+    EXPECT_FALSE(in_shm(segment->name()));
+    path = segment->path();
+    Child rigid([&] {
+      auto mine = Segment::attach(path, Role::kRigid);
+      return mine && mine->scene_text() == plan.scene_text ? 0 : 1;
+    });
+    EXPECT_EQ(rigid.wait(), 0);
+    EXPECT_NE(Control(*segment).pid(Role::kRigid), 0) << "another piece of memory";
+    EXPECT_FALSE(Segment::attach(path, Role::kRigid)) << "the role is taken";
+  }
+  auto gone = Segment::attach(path, Role::kFluid);
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().where, path);
+}
+
+TEST(segment, can_forget_its_name_while_others_hold_it) {
+  Fixture f;
+  auto mine = Segment::attach(f.segment->name(), Role::kRigid);
+  ASSERT_TRUE(mine);
+  f.segment->forget_name();
+  EXPECT_FALSE(in_shm(f.segment->name()));
+  EXPECT_NE(Control(*f.segment).pid(Role::kRigid), 0);
+}
+
 TEST(attach, refuses_a_role_that_is_taken) {
   Fixture f;
   auto first = Segment::attach(f.segment->name(), Role::kFluid);
