@@ -66,8 +66,8 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
     states.push_back(initial_state(scene.models[b], bodies[b], scene.world.gravity));
   if (const std::size_t outside = count_misplaced(scene, bodies, fluid, states); outside > 0)
     warn(
-        fmt::format("{} of {} particles start outside every container or inside a solid, and will be lost; see the "
-                    "fills of the fluids",
+        fmt::format("{} of {} particles start outside every container or inside a solid: they fall or flow away, and "
+                    "count as lost where they leave the domain; shrink the fills, or make the container larger",
                     outside, fluid.particles().size()));
   const RelaxReport& relaxed = fluid.relax_report();
   if (!relaxed.settled)

@@ -37,6 +37,7 @@ int check(const std::string& scene, const Overrides& overrides) {
   auto prepared = prepare(scene, overrides);
   if (!prepared) return fail(prepared.error());
   fmt::print("{}\n", contents(*prepared));
+  for (const std::string& warning : prepared->warnings) fmt::print(stderr, "ballast: warning: {}\n", warning);
   return kFine;
 }
 

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <thread>
 
+#include "launch/command_message.h"
 #include "msgs/channels.h"
 #include "msgs/url.h"
 
@@ -40,14 +41,19 @@ struct CommandListener::Worker {
     while (!ended.load(std::memory_order_relaxed) && lcm.handleTimeout(kSlice) >= 0) {
     }
   }
-  void hear(const lcm::ReceiveBuffer*, const std::string&, const command_t* message) {
+  void hear(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    const auto command = read_command(buffer->data, buffer->data_size);
     const std::lock_guard lock(mutex);
-    if (commands.size() < kMost) commands.push_back({message->action, message->steps});
+    if (!command)
+      ++unreadable;
+    else if (commands.size() < kMost)
+      commands.push_back(*command);
   }
 
   lcm::LCM lcm;
   std::mutex mutex;
   std::vector<RunCommand> commands;
+  std::uint64_t unreadable = 0;
   std::atomic<bool> ended = false;
   std::thread thread;
 };
@@ -71,6 +77,11 @@ CommandListener::~CommandListener() {
 
 std::vector<RunCommand> CommandListener::take() {
   const std::lock_guard lock(worker_->mutex);
+  // One entry for all of them: a flood of junk must not fill the record.
+  if (worker_->unreadable > 0) {
+    worker_->unreadable = 0;
+    worker_->commands.push_back({"(unreadable message)", 0});
+  }
   return std::exchange(worker_->commands, {});
 }
 

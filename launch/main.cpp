@@ -94,9 +94,10 @@ int most_threads() { return std::max(64, 4 * static_cast<int>(std::thread::hardw
 /// Options of `run`.
 struct RunArguments {
   launch::RunOptions options;
-  bool picture = false, vtk = false, lcm = false;
+  bool picture = false, vtk = false, lcm = false, no_expect = false;
 
   void add_to(CLI::App& run) {
+    run.add_flag("--no-expect", no_expect, "leave out the scene's expectations, e.g. for a shorter --duration");
     run.add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
     run.add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
         ->check(CLI::Range(1, most_threads()));
@@ -117,6 +118,7 @@ struct RunArguments {
   }
   /// Adds the flags as the overrides that they stand for.
   void spell_out() {
+    if (no_expect) options.overrides.emplace_back("expect", "[]");
     if (picture) options.overrides.emplace_back("output.picture", "true");
     if (vtk) options.overrides.emplace_back("output.vtk", "true");
     if (lcm || options.lcm_commands || !options.lcm_url.empty()) options.overrides.emplace_back("output.lcm", "true");

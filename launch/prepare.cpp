@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ballast::launch {
 
@@ -69,7 +70,33 @@ Box3 posed(const Box3& local, const Pose& pose) {
   return {box.min(), box.max()};
 }
 
-double fill_volume(const Fluid& fluid, const Prepared& p) {
+/// What a sampling of a fill finds.
+struct Sampled {
+  double volume = 0;                  ///< less the bodies in it, m^3
+  double spilled = 0;                 ///< share of it that no container holds, where there are containers
+  std::optional<Vec3> out_of_domain;  ///< a place of it that world.domain does not have
+};
+
+/// Is the point in the room of a container that stays where it is, or is there none?
+bool is_held(const Prepared& p, const Vec3& x) {
+  bool contained = false;
+  for (std::size_t b = 0; b < p.bodies.size(); ++b) {
+    const Body& body = p.bodies[b];
+    if (!body.solid.is_container() || p.scene.models[b].motion == Motion::kDynamic) continue;
+    contained = true;
+    if (body.solid.room_distance(body.pose.rotation.conjugate() * (x - body.pose.position)) < 0) return true;
+  }
+  return !contained;
+}
+
+bool in_domain(const World& world, const Vec3& x) {
+  if (!world.domain) return true;
+  for (int k = 0; k < 3; ++k)
+    if (!(world.dimension == 2 && k == 1) && (x[k] < world.domain->min[k] || x[k] > world.domain->max[k])) return false;
+  return true;
+}
+
+Sampled sample_fill(const Fluid& fluid, const Prepared& p) {
   const bool flat = p.scene.world.dimension == 2;
   std::size_t container = 0;
   Box3 box = fluid.fill.box;
@@ -80,23 +107,24 @@ double fill_volume(const Fluid& fluid, const Prepared& p) {
     shape.mesh = fluid.fill.mesh;
     shape.scale = fluid.fill.scale;
     auto made = Solid::make(shape, p.scene.world.dimension, p.scene.world.spacing, false);
-    if (!made) return 0;
+    if (!made) return {};
     mesh.emplace(std::move(*made));
     box = posed(mesh->bounds(), fluid.fill.pose);
   } else if (fluid.fill.kind == FillKind::kLevel) {
     const auto found = std::ranges::find(p.scene.models, fluid.fill.container, &Model::name);
-    if (found == p.scene.models.end()) return 0;
+    if (found == p.scene.models.end()) return {};
     container = static_cast<std::size_t>(found - p.scene.models.begin());
     box = posed(p.bodies[container].solid.bounds(), p.bodies[container].pose);
     box.max.z() = std::min(box.max.z(), fluid.fill.level);
   }
   Vec3 size = box.max - box.min;
   if (flat) size.y() = 1;
-  if (size.minCoeff() <= 0) return 0;
+  if (size.minCoeff() <= 0) return {};
   const double step = flat ? std::sqrt(size.x() * size.z() / 60000) : std::cbrt(size.prod() / 60000);
   const auto cells = [&](double edge) { return std::max(1, static_cast<int>(std::lround(edge / step))); };
   const int nx = cells(size.x()), ny = flat ? 1 : cells(size.y()), nz = cells(size.z());
-  long inside = 0;
+  long inside = 0, spilled = 0;
+  Sampled out;
   for (int i = 0; i < nx * ny * nz; ++i) {
     const Vec3 at((i % nx + 0.5) / nx, (i / nx % ny + 0.5) / ny, (i / nx / ny + 0.5) / nz);
     Vec3 x = box.min + at.cwiseProduct(size);
@@ -105,29 +133,70 @@ double fill_volume(const Fluid& fluid, const Prepared& p) {
     const bool in_body = std::ranges::any_of(p.bodies, [&](const Body& body) {
       return body.solid.distance(body.pose.rotation.conjugate() * (x - body.pose.position)) < 0;
     });
-    if (!in_body) ++inside;
+    if (in_body) continue;
+    ++inside;
+    if (!is_held(p, x)) ++spilled;
+    if (!in_domain(p.scene.world, x)) out.out_of_domain = x;
   }
-  return size.prod() * static_cast<double>(inside) / (static_cast<double>(nx) * ny * nz);
+  out.volume = size.prod() * static_cast<double>(inside) / (static_cast<double>(nx) * ny * nz);
+  out.spilled = inside > 0 ? static_cast<double>(spilled) / static_cast<double>(inside) : 0;
+  return out;
 }
 
 }  // namespace
 
 namespace {
 
-/// Refuses fluids without volume, and more particles than the machine can hold.
-Status check_fluids(const Prepared& prepared, const std::string& scene_file) {
+std::string where(const Place& place) { return fmt::format("{}:{}:{}", place.file, place.line, place.column); }
+
+/// Refuses a fluid without volume, of a handful of particles, or outside world.domain.
+Status check_fill(const Fluid& fluid, const Sampled& fill, const World& world) {
+  const double cell = std::pow(world.spacing, world.dimension), least = std::pow(3, world.dimension);
+  if (!(fill.volume > 0.5 * cell))
+    return Error{fmt::format("fluid '{}' would fill {:.3g} m^3 once bodies are carved out, less than a particle of "
+                             "{:.3g} m^3",
+                             fluid.name, fill.volume, cell),
+                 "move its fill to where there is room, or make world.spacing smaller", where(fluid.place)};
+  if (fill.volume < least * cell)
+    return Error{fmt::format("fluid '{}' would have about {:.0f} particles of spacing {:.3g} m, too few to flow",
+                             fluid.name, fill.volume / cell, world.spacing),
+                 fmt::format("make world.spacing smaller, {:.2g} m or less, or the fill larger",
+                             std::pow(fill.volume / (8 * least), 1.0 / world.dimension)),
+                 where(fluid.place)};
+  if (const auto& x = fill.out_of_domain)
+    return Error{fmt::format("the fill of '{}' reaches outside world.domain, at ({:.3g}, {:.3g}, {:.3g}) m", fluid.name,
+                             x->x(), x->y(), x->z()),
+                 "enlarge world.domain or move the fill", where(fluid.place)};
+  return ok();
+}
+
+/// A place that a fluid shares with one before it; fills by meshes are compared by the fluid process.
+std::optional<Vec3> shared_place(const Fluid& fluid, const Fluid& other, const Prepared& p) {
+  if (fluid.fill.kind != FillKind::kBox || other.fill.kind != FillKind::kBox) return std::nullopt;
+  Vec3 low = fluid.fill.box.min.cwiseMax(other.fill.box.min), high = fluid.fill.box.max.cwiseMin(other.fill.box.max);
+  if (p.scene.world.dimension == 2) low.y() = 0, high.y() = 1;
+  if ((high - low).minCoeff() <= 0.4 * p.scene.world.spacing) return std::nullopt;
+  return Vec3(0.5 * (low + high));
+}
+
+/// Refuses what check_fill does, and more particles than the machine can hold; warns of fluid that nothing holds.
+Status check_fluids(Prepared& prepared, const std::string& scene_file) {
   const World& world = prepared.scene.world;
-  const double cell = std::pow(world.spacing, world.dimension);
   double particles = 0;
   for (const Fluid& fluid : prepared.scene.fluids) {
-    const double volume = fill_volume(fluid, prepared);
-    if (!(volume > 0.5 * cell))
-      return Error{fmt::format("fluid '{}' would fill {:.3g} m^3 once bodies are carved out, less than a particle of "
-                               "{:.3g} m^3",
-                               fluid.name, volume, cell),
-                   "move its fill to where there is room, or make world.spacing smaller",
-                   fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
-    particles += volume / cell;
+    const Sampled fill = sample_fill(fluid, prepared);
+    if (Status s = check_fill(fluid, fill, world); !s) return s;
+    for (const Fluid* other = prepared.scene.fluids.data(); other != &fluid; ++other)
+      if (const auto x = shared_place(fluid, *other, prepared))
+        return Error{fmt::format("the fills of '{}' and '{}' overlap, at ({:.3g}, {:.3g}, {:.3g}) m", other->name,
+                                 fluid.name, x->x(), x->y(), x->z()),
+                     "move or shrink one of them: each place holds one fluid", where(fluid.place)};
+    if (fill.spilled > 0)
+      prepared.warnings.push_back(fmt::format(
+          "{}: about {:.2g} % of the fluid '{}' starts outside every container: it falls or flows away, and "
+          "counts as lost where it leaves the domain; shrink its fill, or make the container larger",
+          where(fluid.place), 100 * fill.spilled, fluid.name));
+    particles += fill.volume / std::pow(world.spacing, world.dimension);
   }
   const std::string cure = fmt::format("make world.spacing ({:.3g} m) larger or the fills smaller", world.spacing);
   if (particles > 2e9)
@@ -148,7 +217,7 @@ Status check_fluids(const Prepared& prepared, const std::string& scene_file) {
 
 double estimate_particles(const Prepared& prepared) {
   double volume = 0;
-  for (const Fluid& fluid : prepared.scene.fluids) volume += fill_volume(fluid, prepared);
+  for (const Fluid& fluid : prepared.scene.fluids) volume += sample_fill(fluid, prepared).volume;
   return volume / std::pow(prepared.scene.world.spacing, prepared.scene.world.dimension);
 }
 
@@ -165,6 +234,7 @@ Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrid
                  "add a fluid or a model that is not static", scene_file};
   }
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
+  if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
   return out;
 }

@@ -20,7 +20,12 @@ struct Prepared {
   std::vector<Body> bodies;
   bool fluid = false, rigid = false;  ///< which processes take part
   std::vector<LeftOut> left_out;
+  std::vector<std::string> warnings = {};  ///< what a look at the scene foretells; the processes warn of it themselves
 };
+
+/// Refuses probes of level and pressure at places that the fluid never reaches: there they would report a number that
+/// nobody measured.
+Status check_probes(const Scene& scene, const std::vector<Body>& bodies);
 
 /// Reads and checks a scene and makes its bodies. A scene without fluid and without moving bodies is an error.
 Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrides);

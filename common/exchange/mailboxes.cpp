@@ -127,7 +127,7 @@ Result<Order> RigidLink::receive(std::span<Wrench> wrenches, std::vector<Contact
   if (auto good = check_order(order, expected, m); !good) return good.error();
   if (auto good = check_wrenches(wrenches, expected, m); !good) return good.error();
   const std::uint32_t bytes = w.contacts.readable();
-  if (bytes != order.contacts * sizeof(Contact)) {
+  if (bytes > w.contacts.capacity() || bytes != order.contacts * sizeof(Contact)) {
     return bad_field(expected, "contacts", std::to_string(order.contacts),
                      "what lies in the ring: " + std::to_string(bytes) + " bytes");
   }

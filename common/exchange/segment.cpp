@@ -223,6 +223,7 @@ Result<Segment> Segment::create(const std::string& name, const SegmentPlan& plan
   impl->region.swap(*region);
   std::uninitialized_default_construct_n(&impl->header(), 1);  // the object is all zero; this starts the atomics' lives
   fill_header(impl->header(), plan, parts, bytes);
+  std::copy(std::begin(parts), std::end(parts), impl->parts);
   const Manifest& m = plan.manifest;
   copy_in(*impl, Part::kWorld, &m.world);
   copy_in(*impl, Part::kBodies, m.bodies.data());
@@ -266,7 +267,8 @@ Result<Segment> Segment::map_and_claim(const std::string& name, Role role, const
   auto impl = std::make_unique<Impl>();
   impl->name = name;
   impl->region = bip::mapped_region(object, bip::read_write, 0, static_cast<std::size_t>(info.st_size));
-  if (auto good = check_header(impl->header(), static_cast<std::uint64_t>(info.st_size)); !good) {
+  std::copy(std::begin(impl->header().parts), std::end(impl->header().parts), impl->parts);
+  if (auto good = check_header(impl->header(), impl->parts, static_cast<std::uint64_t>(info.st_size)); !good) {
     return failure(name, good.error().what, good.error().cure);
   }
   impl->manifest = view_of(*impl);

@@ -63,7 +63,7 @@ Status check_file(const struct stat& file, unsigned self) {
   return ok();
 }
 
-Status check_header(const Header& h, std::uint64_t file_bytes) {
+Status check_header(const Header& h, const Block (&parts)[kParts], std::uint64_t file_bytes) {
   // acquire: partner is the release at the end of create()
   if (h.magic.load(std::memory_order_acquire) != kMagic) {
     return refused("magic does not say Ballast", "copy the run's name; the coordinator prints it");
@@ -76,12 +76,12 @@ Status check_header(const Header& h, std::uint64_t file_bytes) {
   if (h.segment_bytes != file_bytes) return unequal("segment_bytes", h.segment_bytes, file_bytes, kDamaged);
   if (!(h.peer_timeout > 0)) return refused("peer_timeout is not positive", kDamaged);
   for (std::size_t i = 0; i < kParts; ++i) {
-    const Block b = h.parts[i];
+    const Block b = parts[i];
     if (b.offset % kLine != 0 || b.offset < kHeaderBytes || !within(b.offset, b.bytes, file_bytes)) {
       return refused("parts[" + std::to_string(i) + "] leaves the segment", kDamaged);
     }
   }
-  const auto bytes = [&](Part part) { return h.parts[static_cast<std::size_t>(part)].bytes; };
+  const auto bytes = [&](Part part) { return parts[static_cast<std::size_t>(part)].bytes; };
   if (bytes(Part::kWorld) != sizeof(WorldRecord)) return refused("parts: the world has a wrong size", kDamaged);
   for (Part ring : {Part::kContacts, Part::kFluidReports, Part::kRigidReports}) {
     if (bytes(ring) != 0 && !std::has_single_bit(bytes(ring))) {

@@ -19,6 +19,7 @@ struct Segment::Impl {
   int creator = -1;  ///< pid of the creating process; 0 where it has attached; -1 while neither is achieved
   boost::interprocess::mapped_region region;
   ManifestView manifest;
+  Block parts[kParts] = {};  ///< of the header, as checked: what a peer writes there later is not believed
   std::chrono::milliseconds slice = kSlice;  ///< the soak test makes it long, so that a lost wake-up cannot hide in it
   std::uint32_t news_seen = 0;               ///< coordinator: value of Header::news at the last look
 
@@ -26,7 +27,7 @@ struct Segment::Impl {
   std::byte* base() const { return static_cast<std::byte*>(region.get_address()); }
   Header& header() const { return *reinterpret_cast<Header*>(base()); }
   PeerLine& peer(Role role) const { return header().peers[static_cast<std::size_t>(role)]; }
-  Block block(Part part) const { return header().parts[static_cast<std::size_t>(part)]; }
+  Block block(Part part) const { return parts[static_cast<std::size_t>(part)]; }
   template <class T>
   std::span<T> records(Part part) const {
     const Block b = block(part);
@@ -40,7 +41,7 @@ struct Segment::Impl {
 /// Refuses a file that another user owns or can open, or that is too small for a header.
 Status check_file(const struct stat& file, unsigned self);
 /// Refuses a header of another protocol, or whose blocks leave the segment.
-Status check_header(const Header& header, std::uint64_t file_bytes);
+Status check_header(const Header& header, const Block (&parts)[kParts], std::uint64_t file_bytes);
 /// Refuses a manifest whose indices or names leave their arrays.
 Status check_manifest(const ManifestView& manifest);
 

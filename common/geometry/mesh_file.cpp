@@ -1,15 +1,54 @@
 // Mesh files to checked triangle meshes.
 #include "common/geometry/mesh_file.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
 #include <map>
+#include <memory>
+#include <stdexcept>
 #include <utility>
 
 namespace ballast::geometry {
+
+namespace {
+
+/// Passes on, and loses patience where assimp goes round in circles in a damaged file (its PLY reader does).
+class PatientStream : public Assimp::IOStream {
+ public:
+  explicit PatientStream(Assimp::IOStream* inner) : inner_(inner), left_(10'000 + 4 * inner->FileSize()) {}
+  std::size_t Read(void* to, std::size_t size, std::size_t count) override {
+    return wait(), inner_->Read(to, size, count);
+  }
+  std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
+  aiReturn Seek(std::size_t offset, aiOrigin origin) override { return wait(), inner_->Seek(offset, origin); }
+  std::size_t Tell() const override { return inner_->Tell(); }
+  std::size_t FileSize() const override { return inner_->FileSize(); }
+  void Flush() override {}
+
+ private:
+  void wait() {
+    // assimp turns the exception into its error text; each byte could have been read four times over
+    if (left_-- == 0) throw std::runtime_error("the file is damaged: reading it does not come to an end");
+  }
+  std::unique_ptr<Assimp::IOStream> inner_;
+  std::size_t left_;
+};
+
+class PatientFiles : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
+    return inner ? new PatientStream(inner) : nullptr;
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+};
+
+}  // namespace
 
 Result<TriangleMesh> read_mesh(const std::string& file, const Vec3& scale) {
   if (!scale.allFinite() || scale.cwiseAbs().minCoeff() <= 0) {
@@ -17,6 +56,7 @@ Result<TriangleMesh> read_mesh(const std::string& file, const Vec3& scale) {
                  "give finite factors other than 0", "", kBadInput};
   }
   Assimp::Importer importer;
+  importer.SetIOHandler(new PatientFiles);  // the importer owns it
   // Only positions matter: other attributes would split vertices along seams and open the surface.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene =

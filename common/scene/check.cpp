@@ -13,6 +13,9 @@ namespace ballast::scene {
 namespace {
 
 constexpr double kMostModels = 100'000;
+constexpr double kMostSteps = 1e12;
+constexpr double kLeastPeriod =
+    6;  // spacings: three of the smallest kernel's supports; the fluid wants three of its own
 
 class Checker {
  public:
@@ -79,6 +82,22 @@ class Checker {
     if (!world.domain && (periodic[0] || periodic[1] || periodic[2])) {
       fail(root_, {"world", "periodic"}, "periodic axes need a domain, which is not given",
            "Add world.domain: { min: [...], max: [...] }.");
+    }
+    for (int axis = 0; world.domain && axis < 3; ++axis) {
+      const double length = world.domain->max[axis] - world.domain->min[axis];
+      if (!periodic[size_t(axis)] || length >= kLeastPeriod * world.spacing) continue;
+      fail(root_, {"world", "domain"},
+           fmt::format("the domain is {:g} m long on its periodic axis {}, less than {} spacings", length, "xyz"[axis],
+                       kLeastPeriod),
+           "Make world.domain longer or world.spacing smaller.");
+    }
+    if (scene_.fluids.empty()) {
+      const double steps = world.duration / scene_.coupling.rigid_step;
+      if (steps > kMostSteps)
+        fail(root_, {"coupling", "rigid_step"},
+             fmt::format("{:g} s in steps of {:g} s are {:.2g} steps; {:g} is the most", world.duration,
+                         scene_.coupling.rigid_step, steps, kMostSteps),
+             "Make coupling.rigid_step larger or world.duration shorter.");
     }
     if (scene_.fluids.empty() && scene_.models.empty()) {
       fail(root_, {}, "the scene has neither fluids nor models", "Add fluids or models.");

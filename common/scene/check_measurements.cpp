@@ -148,6 +148,22 @@ class Checker {
     }
   }
 
+  /// A window that the run does not reach, or not to its end, would be judged on rows that are not there.
+  void check_window(const Expect& expect) {
+    const double end = scene_.world.duration * (1 + 1e-12);
+    const bool from = expect.from > end, to = expect.to > end && expect.to < 1e299;
+    if (!from && !to) return;
+    Place place = expect.place;
+    for (const std::string_view kind : {"column", "initial_acceleration", "jitter", "track"}) {
+      const Place found = state_.find(expect.place, {kind, from ? "from" : "to"});
+      if (found.line != expect.place.line || found.column != expect.place.column) place = found;
+    }
+    state_.fail(place,
+                fmt::format("the window {} at {:g} s, after the end of the run: world.duration is {:g} s",
+                            from ? "begins" : "ends", from ? expect.from : expect.to, scene_.world.duration),
+                "Make world.duration (--duration) longer, or run without expectations (--no-expect).");
+  }
+
   void check(const Expect& expect) {
     using enum ExpectKind;
     const Place& base = expect.place;
@@ -155,6 +171,7 @@ class Checker {
       state_.fail(base, fmt::format("no sample lies between from ({} s) and to ({} s)", expect.from, expect.to),
                   "Let from be before to.");
     }
+    check_window(expect);
     switch (expect.kind) {
       case kLostParticles:
         break;

@@ -24,6 +24,8 @@ std::string where(const Place& place) {
 }
 
 Error error_at(const Place& place, std::string what, std::string cure) {
+  constexpr std::size_t kShown = 400;  // a value of megabytes is quoted by its ends
+  if (what.size() > kShown) what = what.substr(0, kShown / 2) + " ... " + what.substr(what.size() - kShown / 2);
   return {std::move(what), std::move(cure), where(place)};
 }
 

@@ -44,8 +44,15 @@ std::string range_text(const Range& range, const Quantity& quantity) {
   return fmt::format("at most {}{}{}", range.max, gap, unit);
 }
 
-void check_range(ReadState& state, const Field& field, const Node& node, double value) {
+void check_range(ReadState& state, const Field& field, const Node& node, double value, const Quantity& quantity) {
   const Range& range = field.range;
+  const bool tiny = range.open && range.min == 0 && value > 0 && value < quantity.least;
+  if (tiny || std::abs(value) > quantity.most) {
+    return state.fail(node.place,
+                      fmt::format("{} is {}, which no {} in a scene is", field.name, node.text, quantity.name),
+                      fmt::format("Use a value of {} {:g}{}{}; is the unit right?", tiny ? "at least" : "at most",
+                                  tiny ? quantity.least : quantity.most, *quantity.unit ? " " : "", quantity.unit));
+  }
   if (value >= range.min && value <= range.max && !(range.open && value == range.min)) return;
   state.fail(node.place, fmt::format("{} is {}, which is out of range", field.name, node.text),
              fmt::format("Use a value {}.", range_text(range, field.quantity)));
@@ -64,7 +71,7 @@ std::optional<Measure> read_measure(ReadState& state, const Field& field, const 
 std::optional<double> read_number(ReadState& state, const Field& field, const Node& node, const Quantity& quantity) {
   const auto measure = read_measure(state, field, node, quantity);
   if (!measure) return std::nullopt;
-  check_range(state, field, node, measure->value);
+  check_range(state, field, node, measure->value, quantity);
   return measure->value;
 }
 
@@ -164,7 +171,7 @@ void read_value(ReadState& state, const Field& field, const Node& node, int& out
     state.fail(node.place, fmt::format("{} is {}, which is out of range", field.name, node.text),
                "Use a smaller number.");
   } else {
-    check_range(state, field, node, static_cast<double>(*number));
+    check_range(state, field, node, static_cast<double>(*number), field.quantity);
     out = static_cast<int>(*number);
   }
 }

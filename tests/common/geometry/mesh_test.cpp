@@ -1,4 +1,5 @@
 // Meshes: files, exact integrals, distances and refusals.
+#include <fstream>
 #include <random>
 
 #include "common/geometry/mesh_distance.h"
@@ -141,6 +142,15 @@ TEST(Mesh, RefusesWhatIsNotASolid) {
   const TemporaryFile good("_good.obj", kCuboidObj);
   expect_refusal(mesh(good.path(), {1, 0, 1}), "scale");
   expect_refusal(mesh(good.path()), "does not cross the plane y = 0", 2);
+}
+
+/// Found by the fuzz target: assimp's PLY reader seeks for ever.
+TEST(Mesh, RefusesADamagedFileThatIsNeverReadToItsEnd) {
+  std::ifstream seed(BALLAST_SOURCE_DIR "/tests/fuzz/corpus/mesh/endless_ply", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(seed), {}};
+  ASSERT_GT(bytes.size(), 100u);
+  const TemporaryFile endless("_endless.ply", bytes.substr(1));  // the first byte tells the target the format
+  expect_refusal(mesh(endless.path()), "does not come to an end");
 }
 
 }  // namespace

@@ -47,10 +47,10 @@ expect:
   - lost_particles: 0
   - { moved: { models: "crate*", at_least: 6, by: 6 cm } }
   - { inside: { models: "*", container: tank } }
-  - { column: { of: tank.fz, statistic: mean, from: 5 s, to: 6 s, equals: -100 N, within: 7 % } }
+  - { column: { of: tank.fz, statistic: mean, from: 5 ms, to: 15 ms, equals: -100 N, within: 7 % } }
   - { column: { of: front, below: 1, above: 0.5 } }
   - { column: { of: ball.x, equals: 20 cm, within: 1 mm } }
-  - { initial_acceleration: { model: ball, coefficient: 0.5, fluid: water, within: 4 %, from: 0.01, to: 0.05 } }
+  - { initial_acceleration: { model: ball, coefficient: 0.5, fluid: water, within: 4 %, from: 0.01, to: 0.02 } }
   - { jitter: { model: crate_0_0_0, below: 0.1 } }
   - { momentum: { below: 1e-12 } }
   - { track: { of: "top.x", reference: "file of a reference.csv", time_offset: 0.1, value_offset: 10 cm, below: 0.06 } }

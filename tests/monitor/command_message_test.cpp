@@ -1,0 +1,57 @@
+// Bytes that anybody may have sent to a run: a command, or nothing.
+#include "launch/command_message.h"
+
+#include <gtest/gtest.h>
+
+#include <ballast/command_t.hpp>
+#include <string>
+#include <vector>
+
+namespace ballast::launch {
+namespace {
+
+std::vector<unsigned char> encoded(const std::string& action, std::int64_t steps) {
+  command_t message;
+  message.action = action;
+  message.steps = steps;
+  std::vector<unsigned char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+TEST(CommandMessage, IsReadAsItWasWritten) {
+  const auto bytes = encoded("step", 12);
+  const auto command = read_command(bytes.data(), bytes.size());
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->action, "step");
+  EXPECT_EQ(command->steps, 12);
+}
+
+TEST(CommandMessage, WithAnyByteOfItsLengthWrongIsNone) {
+  const auto good = encoded("pause", 1);
+  for (std::size_t at = 8; at < 12; ++at)
+    for (int value = 0; value < 256; ++value) {
+      auto bytes = good;
+      if (bytes[at] == value) continue;
+      bytes[at] = static_cast<unsigned char>(value);
+      EXPECT_FALSE(read_command(bytes.data(), bytes.size())) << at << " " << value;
+    }
+}
+
+TEST(CommandMessage, CutShortOrTooLongIsNone) {
+  auto bytes = encoded("pause", 1);
+  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(read_command(bytes.data(), size)) << size;
+  bytes.push_back(0);
+  EXPECT_FALSE(read_command(bytes.data(), bytes.size()));
+  const auto endless = encoded(std::string(1000, 'x'), 1);
+  EXPECT_FALSE(read_command(endless.data(), endless.size()));
+}
+
+TEST(CommandMessage, OfAnotherTypeIsNone) {
+  auto bytes = encoded("pause", 1);
+  bytes[0] ^= 1;
+  EXPECT_FALSE(read_command(bytes.data(), bytes.size()));
+}
+
+}  // namespace
+}  // namespace ballast::launch
