@@ -133,9 +133,15 @@ set_up_product() {
   build "$ballast_build" ballast_product
 }
 
+# The product and what `ballast report` needs to draw its page.
+set_up_report() {
+  set_up_product
+  install_packages report
+}
+
 # The product, its tests and its benchmarks.
 set_up_tests() {
-  install_packages build optional test
+  install_packages build optional report test
   configure "$ballast_build" -DCMAKE_BUILD_TYPE=Release -DBALLAST_TESTS=ON
   build "$ballast_build" all
 }

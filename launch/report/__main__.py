@@ -1,0 +1,181 @@
+"""`ballast report`: runs the validation cases and writes results.json, results.csv and report.html."""
+
+import argparse
+import csv
+import datetime
+import fcntl
+import fnmatch
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+from tqdm import tqdm
+
+import cases_coupled
+import cases_experiment
+import cases_fluid
+import cases_rigid
+import compare
+import page
+from case import LEVELS, METHODS, Case, Job, jobs_of
+from judge import headline, judge, mark
+from runs import EXPECTED, Place, build_hash, finished, key_of, make
+
+CASES = (*cases_fluid.CASES, *cases_coupled.CASES, *cases_experiment.CASES, *cases_rigid.CASES)
+
+
+def arguments(words: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="ballast report", description="Runs validation cases and shows their error against run time on one page.",
+        epilog="Finished runs of the same scene and the same programs are kept and not made again.")
+    parser.add_argument("cases", nargs="*", metavar="CASES", help="such as F1, 'R*' or B4/r0.01/wcsph/0.005; all by default")
+    parser.add_argument("--level", choices=LEVELS, default="10s", help="what a run may cost on two cores (default: 10s)")
+    parser.add_argument("--methods", nargs="+", choices=METHODS, metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default")
+    parser.add_argument("--references", type=Path, metavar="DIR", help="folder with tables that may not be carried along")
+    parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="results (default: out/report)")
+    parser.add_argument("--against", type=Path, metavar="OLD", help="results.json, or its folder, to compare with")
+    parser.add_argument("--repeats", type=int, default=1, metavar="N", help="wall times as medians of N runs (default: 1)")
+    parser.add_argument("--again", action="store_true", help="make finished runs again")
+    parser.add_argument("--list", action="store_true", help="print the runs and whether they are finished; make none")
+    parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
+    chosen = parser.parse_args(words)
+    if chosen.repeats < 1:
+        parser.error(f"--repeats is {chosen.repeats}; give 1 or more")
+    return chosen
+
+
+def fits(job: Job, patterns: list[str]) -> bool:
+    return not patterns or any(fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") for p in patterns)
+
+
+def choose(chosen: argparse.Namespace) -> list[Job]:
+    methods = set(chosen.methods) if chosen.methods else None
+    # A run that is named by its whole id is meant whatever its level.
+    everything = [job for case in CASES for job in jobs_of(case, LEVELS[-1], methods)]
+    named = {job.id for job in everything} & set(chosen.cases)
+    jobs = [job for case in CASES for job in jobs_of(case, LEVELS[-1] if named else chosen.level, methods)]
+    unknown = [p for p in chosen.cases if not any(fits(job, [p]) for job in everything)]
+    if unknown:
+        raise SystemExit(f"ballast report: no run fits {', '.join(unknown)}; cases are {', '.join(c.id for c in CASES)}")
+    return [job for job in jobs if (job.id in named if named else fits(job, chosen.cases))]
+
+
+def reference_folders(place: Place, given: Path | None) -> list[Path]:
+    """Where `ballast run` looks, too."""
+    return [given.resolve()] if given else [place.tree / "tests/validation/reference", place.tree.parent / "shared/reference"]
+
+
+def pictured(jobs: list[Job]) -> set[str]:
+    """One run of each case draws a picture: the first of its finest resolution."""
+    out = {}
+    for job in jobs:
+        best = out.get(job.case.id)
+        if best is None or job.h < best.h:
+            out[job.case.id] = job
+    return {job.id for job in out.values()}
+
+
+def commit(tree: Path) -> str:
+    result = subprocess.run(["git", "-C", str(tree), "describe", "--always", "--dirty"], capture_output=True, text=True)
+    return result.stdout.strip() if result.returncode == 0 else "no git"
+
+
+def write_results(place: Place, results: dict) -> None:
+    (place.out / "results.json").write_text(json.dumps(results, indent=1))
+    with (place.out / "results.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["run", "case", "variant", "method", "level", "resolution", "status", "measure", "unit", "value", "target",
+                        "verdict", "wall_s", "steps", "particles", "particle_steps_per_s", "command"])
+        for r in results["rows"]:
+            for m in r["measures"]:
+                table.writerow([r["id"], r["case"], r["variant"], r["method"], r["level"], r["h"], r["status"], m["name"],
+                                m["unit"], m["value"], m["target"], m["verdict"], r["wall_s"], r.get("steps"), r.get("particles"),
+                                r.get("particle_steps_per_s"), r["run"]])
+
+
+def describe(row: dict) -> str:
+    """One line of text about a run."""
+    if row["status"] != "finished":
+        return f"{row['id']}: {row['status']}: {row['message']}"
+    figures = ", ".join(f"{m['name']} {page.figure(m['value'], m['unit'])}"
+                        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "") for m in row["measures"])
+    return f"{row['id']}: {figures}; {row['wall_s']:.2f} s"
+
+
+def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, references: list[Path]) -> list[dict]:
+    """Makes what is not finished, one at a time, and judges all."""
+    programs = build_hash(place)
+    keys = {job.id: key_of(place, job, programs, chosen.repeats) for job in jobs}
+    notes = {job.id: None if chosen.again else finished(place, job, keys[job.id]) for job in jobs}
+    to_make = [job for job in jobs if notes[job.id] is None]
+    with_picture = pictured(jobs)
+    rows = []
+    with tqdm(total=sum(EXPECTED[job.level] * chosen.repeats for job in to_make), disable=not sys.stderr.isatty(),
+              bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left {postfix}") as bar:
+        for job in jobs:
+            if notes[job.id] is None:
+                bar.set_postfix_str(job.id)
+                notes[job.id] = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
+                bar.update(EXPECTED[job.level] * chosen.repeats)
+            rows.append(judge(place, job, notes[job.id], references))
+            tqdm.write(describe(rows[-1]))
+    return rows
+
+
+def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], place: Place) -> dict:
+    def one(key: str) -> str:
+        return "; ".join(dict.fromkeys(str(r[key]) for r in rows if key in r)) or "unknown"
+
+    loads = [r["load"] for r in rows]
+    return {
+        "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"), "level": chosen.level,
+        "machine": one("machine"), "version": one("version"), "threads": one("threads"), "commit": commit(place.tree),
+        "repeats": chosen.repeats, "load": [min(loads), max(loads)],
+        "wall_total": sum(w for r in rows for w in r["walls"]),
+        "command": shlex.join(["./launch/ballast", "report", *words]), "rows": rows,
+    }
+
+
+def main() -> int:
+    words = sys.argv[1:]
+    chosen = arguments(words)
+    place = Place(Path(__file__).resolve().parents[2], chosen.build.resolve(), chosen.out.resolve())
+    at = words.index("--build")
+    words = words[:at] + words[at + 2:]
+    old = compare.load(chosen.against) if chosen.against else None
+    jobs = choose(chosen)
+    if chosen.list:
+        programs = build_hash(place)
+        for job in jobs:
+            done = finished(place, job, key_of(place, job, programs, chosen.repeats))
+            print(f"{job.id}  {job.level}  {done['status'] if done else 'to be made'}")
+        return 0
+    place.out.mkdir(parents=True, exist_ok=True)
+    references = reference_folders(place, chosen.references)
+    with (place.out / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise SystemExit(f"ballast report: another report writes to {chosen.out}; wait for it or give another --out") from None
+        rows = carry_out(place, jobs, chosen, references)
+        cases: list[Case] = [case for case in CASES if any(job.case is case for job in jobs)]
+        for case in cases:
+            mark([r for r in rows if r["case"] == case.id])
+        results = results_of(rows, chosen, words, place)
+        changes = compare.changes(old, results, str(chosen.against)) if old else None
+        write_results(place, results)
+        path = page.write(place, cases, results, references, changes)
+    counts = page.tally(rows)
+    failed = sum(r["status"] != "finished" for r in rows)
+    print(f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
+          f"{counts['reference not installed']} without reference\n{path}")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit("ballast report: stopped; finished runs are kept, the same command goes on")

@@ -1,0 +1,162 @@
+"""What a validation case is: a scene, what is varied, what is measured, what it is compared with."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from metrics import NoFigure
+
+Array = np.ndarray
+
+LEVELS = ("coarse", "10s", "1min", "10min")  # what a run may cost on two cores; coarse ones only show the order
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to compute the same scene: overrides of its keys."""
+
+    name: str
+    overrides: dict[str, str]
+
+
+METHODS = {m.name: m for m in (
+    Method("wcsph", {"numerics.pressure": "wcsph"}),
+    Method("implicit", {"numerics.pressure": "implicit"}),
+    Method("staggered", {"numerics.pressure": "wcsph", "coupling.scheme": "staggered"}),
+    Method("ode", {"coupling.engine": "ode"}),
+    Method("free_body", {"coupling.engine": "free_body"}),
+)}
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One value of what a case sweeps, such as a density ratio: overrides, and the numbers that measures need."""
+
+    name: str = ""
+    overrides: dict[str, str] = field(default_factory=dict)
+    values: dict[str, float] = field(default_factory=dict)
+
+
+class Outcome:
+    """A finished run as measures see it: its record and the columns of bodies.csv and probes.csv."""
+
+    def __init__(self, folder: Path, h: float, variant: Variant, references: list[Path]):
+        self.record = json.loads((folder / "record.json").read_text())
+        self.h, self.variant, self.references = h, variant, references
+        self._columns: dict[str, Array] = {}
+        self._times: dict[str, Array] = {}
+        for name in ("bodies.csv", "probes.csv"):
+            path = folder / name
+            if not path.is_file():
+                continue
+            with path.open() as file:
+                names = file.readline().strip().split(",")
+                values = np.loadtxt(file, delimiter=",", ndmin=2)
+            for index, column in enumerate(names[1:], 1):
+                self._columns[column], self._times[column] = values[:, index], values[:, 0]
+
+    def __getitem__(self, value: str) -> float:
+        return self.variant.values[value]
+
+    def series(self, column: str, start: float = 0, stop: float = np.inf) -> tuple[Array, Array]:
+        """Times and values of a column within a window of time."""
+        if column not in self._columns:
+            raise NoFigure(f"the run has no column {column}")
+        t, y = self._times[column], self._columns[column]
+        inside = (t >= start - 1e-9) & (t <= stop + 1e-9)
+        if not inside.any():
+            raise NoFigure(f"no row of {column} lies between {start:g} and {stop:g} s")
+        return t[inside], y[inside]
+
+    def values(self, column: str, start: float = 0, stop: float = np.inf) -> Array:
+        return self.series(column, start, stop)[1]
+
+    def mean(self, column: str, start: float = 0, stop: float = np.inf) -> float:
+        return float(self.values(column, start, stop).mean())
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An error, the smaller the better. unit "%" shows a share as percent; targets are for 10s, 1min, 10min."""
+
+    name: str
+    unit: str
+    value: Callable[[Outcome], float]
+    targets: tuple[float, ...] = ()
+
+    def target(self, level: str) -> float | None:
+        if not self.targets or level == "coarse":
+            return None
+        return self.targets[min(LEVELS.index(level) - 1, len(self.targets) - 1)]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Run and reference in one picture. A run gives a curve, or (joined) one point of a curve over the variants."""
+
+    x: str
+    y: str
+    run: Callable[[Outcome], tuple[Array, Array]]
+    reference: Callable[[Variant, list[Path]], tuple[Array, Array]] | None = None
+    reference_name: str = "exact"
+    joined: bool = False
+    points: bool = False  # the reference is a few measured points, not a curve
+    log_x: bool = False
+
+
+@dataclass(frozen=True)
+class Case:
+    """knob is the key that the resolutions set: the particle spacing, or the step of the rigid engine."""
+
+    id: str
+    title: str
+    about: str
+    scene: str
+    resolutions: tuple[tuple[str, float], ...]  # (level, value of the knob), coarse to fine
+    measures: tuple[Measure, ...]
+    methods: tuple[str, ...] = ("wcsph", "implicit")
+    variants: tuple[Variant, ...] = (Variant(),)
+    chart: Chart | None = None
+    knob: str = "world.spacing"
+    overrides: dict[str, str] = field(default_factory=dict)
+    source: str = ""
+
+    @property
+    def unit(self) -> str:
+        return "m" if self.knob == "world.spacing" else "s"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run to make: its id is case[/variant]/method/resolution, such as B4/r0.01/wcsph/0.005."""
+
+    case: Case
+    variant: Variant
+    method: str
+    level: str
+    h: float
+
+    @property
+    def id(self) -> str:
+        return "/".join(x for x in (self.case.id, self.variant.name, self.method, f"{self.h:g}") if x)
+
+    @property
+    def group(self) -> str:
+        """What it is compared with over resolutions: the same case, variant and method."""
+        return "/".join(x for x in (self.case.id, self.variant.name, self.method) if x)
+
+    def overrides(self) -> dict[str, str]:
+        return {self.case.knob: f"{self.h:g}", **self.case.overrides, **METHODS[self.method].overrides,
+                **self.variant.overrides}
+
+
+def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
+    """The runs of a case up to a level, cheap ones first."""
+    allowed = LEVELS[: LEVELS.index(upto) + 1]
+    return [Job(case, variant, method, level, h)
+            for level, h in case.resolutions if level in allowed
+            for method in case.methods if methods is None or method in methods
+            for variant in case.variants]

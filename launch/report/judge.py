@@ -1,0 +1,114 @@
+"""From a finished run to a row of figures: errors against targets, balances, where the time went."""
+
+from pathlib import Path
+
+import numpy as np
+
+from case import Case, Job, Outcome
+from metrics import NoFigure, observed_order, pareto_front, time_to_reach
+from references import ReferenceMissing
+from runs import Place, shown_command
+
+CURVE_POINTS = 400  # of a curve kept for the page
+
+
+def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
+    """A row of results.json."""
+    row = {
+        "id": job.id, "group": job.group, "case": job.case.id, "variant": job.variant.name, "method": job.method,
+        "level": job.level, "h": job.h, "status": note["status"], "message": note["message"], "wall_s": note["wall_s"],
+        "walls": note["walls"], "started": note["started"], "load": note["load"], "run": shown_command(job),
+        "report": f"./launch/ballast report {job.id}", "measures": [], "curve": None,
+    }
+    outcome = None
+    if note["status"] == "finished":
+        outcome = Outcome(place.run_folder(job), job.h, job.variant, references)
+        row |= _figures(outcome)
+        row["curve"] = _curve(job.case, outcome)
+    for measure in job.case.measures:
+        target = measure.target(job.level)
+        entry = {"name": measure.name, "unit": measure.unit, "value": None, "target": target, "note": ""}
+        try:
+            if outcome:
+                entry["value"] = float(measure.value(outcome))
+        except NoFigure as why:
+            entry["note"] = str(why)
+        except ReferenceMissing as why:
+            entry |= {"note": str(why), "verdict": "reference not installed"}
+        entry.setdefault("verdict", _verdict(entry["value"], target))
+        row["measures"].append(entry)
+    return row
+
+
+def _verdict(value: float | None, target: float | None) -> str:
+    """No figure is a miss wherever there is a target: a run that fails does not pass."""
+    if target is None:
+        return "no target"
+    return "met" if value is not None and np.isfinite(value) and value <= target else "missed"
+
+
+def _figures(outcome: Outcome) -> dict:
+    r = outcome.record
+    ledger, particles = r.get("ledger") or {}, r.get("particles") or {}
+    energy = ledger.get("energy_J") or {}
+    expects = r.get("expect") or []
+    stages = {k: v for k, v in (r.get("stages") or {}).items() if v and not k.startswith("rigid.")}
+    if not stages:  # no fluid process
+        stages = {k: v for k, v in (r.get("stages") or {}).items() if v}
+    return {
+        "steps": r["steps"], "particles": particles.get("fluid"), "samples": particles.get("boundary"),
+        "lost": particles.get("lost"), "particle_steps_per_s": r.get("particle_steps_per_s"),
+        "simulated_s": r["simulated_s"], "momentum_imbalance": ledger.get("imbalance_relative"),
+        "mass_drift": ledger.get("mass_drift"), "energy_change_J": energy.get("change"),
+        "density_error": (r.get("error") or {}).get("density_mean"),
+        "expectations": [sum(1 for e in expects if e["pass"]), len(expects)], "warnings": r.get("warnings", []),
+        "stages": stages, "machine": r["machine"], "version": r["version"], "threads": r["threads"],
+        "state_hash": r.get("state_hash"),
+    }
+
+
+def _curve(case: Case, outcome: Outcome) -> list[list[float]] | None:
+    if not case.chart:
+        return None
+    try:
+        x, y = (np.atleast_1d(np.asarray(v, float)) for v in case.chart.run(outcome))
+    except (NoFigure, ReferenceMissing):
+        return None
+    chosen = np.unique(np.linspace(0, x.size - 1, min(x.size, CURVE_POINTS)).astype(int))
+    return [x[chosen].tolist(), y[chosen].tolist()]
+
+
+def headline(row: dict) -> dict:
+    return row["measures"][0]
+
+
+def points_of(rows: list[dict]) -> list[dict]:
+    """Rows that are a point in the chart of error against time."""
+    return [r for r in rows if r["wall_s"] and headline(r)["value"] is not None]
+
+
+def mark(rows: list[dict]) -> None:
+    """Adds to the rows of one case: observed order against the next coarser run, and whether on the Pareto front."""
+    groups: dict[str, list[dict]] = {}
+    for row in rows:
+        groups.setdefault(row["group"], []).append(row)
+    for members in groups.values():
+        members.sort(key=lambda r: -r["h"])
+        for coarse, fine in zip(members, members[1:]):
+            pair = headline(coarse)["value"], headline(fine)["value"]
+            fine["order"] = observed_order(coarse["h"], pair[0], fine["h"], pair[1]) if None not in pair else None
+    for variant in {r["variant"] for r in rows}:
+        some = points_of([r for r in rows if r["variant"] == variant])
+        for index in pareto_front([(r["wall_s"], headline(r)["value"]) for r in some]):
+            some[index]["pareto"] = True
+
+
+def times_to_targets(case: Case, rows: list[dict]) -> list[dict]:
+    """For every group: the wall time needed to reach each target of the headline measure; None where not reached."""
+    out = []
+    targets = case.measures[0].targets
+    for group in dict.fromkeys(r["group"] for r in rows):
+        members = points_of([r for r in rows if r["group"] == group])
+        points = [(r["wall_s"], headline(r)["value"]) for r in members]
+        out.append({"group": group, "times": [time_to_reach(t, points) for t in dict.fromkeys(targets)]})
+    return out

@@ -1,0 +1,122 @@
+"""Figures from curves and from pairs (error, run time): pure functions of numbers, each with a test of its own."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class NoFigure(ValueError):
+    """A curve does not hold what is asked of it, such as a period in a motion that never turns."""
+
+
+def resample(t: Array, y: Array, at: Array) -> Array:
+    """y(t) at other times, linearly; times outside t are an error, not an extrapolation."""
+    slack = 1e-9 * max(1.0, float(np.max(np.abs(t))))
+    if at.size == 0 or at[0] < t[0] - slack or at[-1] > t[-1] + slack:
+        raise NoFigure(f"the run covers {t[0]:.4g} to {t[-1]:.4g} s, the reference {at[0]:.4g} to {at[-1]:.4g} s")
+    return np.interp(at, t, y)
+
+
+def rms(difference: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(difference))))
+
+
+def nrmse(simulated: Array, reference: Array) -> float:
+    """Root mean square deviation over the range of the reference, both on the reference's sample times."""
+    return rms(simulated - reference) / float(np.max(reference) - np.min(reference))
+
+
+def relative(value: float, exact: float) -> float:
+    return abs(value - exact) / abs(exact)
+
+
+def slope(t: Array, y: Array) -> float:
+    """Slope of the straight line of least squares."""
+    if t.size < 2:
+        raise NoFigure("fewer than two rows lie in the window of time")
+    return float(np.polyfit(t - t.mean(), y, 1)[0])
+
+
+def crossings(t: Array, y: Array) -> Array:
+    """Times at which y passes through zero, linear between rows."""
+    before, after = y[:-1], y[1:]
+    found = np.nonzero((before < 0) & (after >= 0) | (before > 0) & (after <= 0))[0]
+    return t[found] - y[found] * (t[found + 1] - t[found]) / (y[found + 1] - y[found])
+
+
+def period(t: Array, y: Array, first: int = 0, count: int | None = None) -> float:
+    """Mean time of a full swing about zero, from crossing `first` on, over `count` half swings or all."""
+    zero = crossings(t, y)[first:]
+    if count is not None:
+        zero = zero[: count + 1]
+    if zero.size < 2 or (count is not None and zero.size < count + 1):
+        raise NoFigure(f"the motion passes through zero only {zero.size} times after the first {first}")
+    return 2 * float(zero[-1] - zero[0]) / (zero.size - 1)
+
+
+def extrema(t: Array, y: Array) -> tuple[Array, Array]:
+    """Times and values of the largest |y| between successive zero crossings."""
+    zero = crossings(t, y)
+    times, values = [], []
+    for start, stop in zip(zero, zero[1:]):
+        inside = np.nonzero((t >= start) & (t <= stop))[0]
+        if inside.size:
+            top = inside[np.argmax(np.abs(y[inside]))]
+            times.append(t[top])
+            values.append(y[top])
+    return np.array(times), np.array(values)
+
+
+def decay_rate(t: Array, y: Array, count: int | None = None) -> float:
+    """s of y ~ exp(-s t) cos(...), from the logarithms of its extrema; 1/s."""
+    times, values = extrema(t, y)
+    return -slope(times[:count], np.log(np.abs(values[:count])))
+
+
+def observed_order(coarse_h: float, coarse_error: float, fine_h: float, fine_error: float) -> float | None:
+    """p of error ~ h^p between two resolutions; nothing where an error is zero or unknown."""
+    if not (coarse_error and fine_error) or coarse_h == fine_h:
+        return None
+    return math.log(coarse_error / fine_error) / math.log(coarse_h / fine_h)
+
+
+def time_to_reach(target: float, points: Sequence[tuple[float, float]]) -> float | None:
+    """Wall time at which the error falls to the target, by log interpolation between (wall time, error) points.
+
+    The cheapest point that meets the target is where the search starts; between it and the next cheaper one, whose error
+    is larger, the error is taken as a power of the time. Nothing if no point meets the target.
+    """
+    ordered = sorted(points)
+    for index, (time, error) in enumerate(ordered):
+        if error > target:
+            continue
+        if index == 0:
+            return time
+        cheaper, larger = ordered[index - 1]
+        if error <= 0 or time <= cheaper:
+            return time
+        share = math.log(larger / target) / math.log(larger / error)
+        return math.exp(math.log(cheaper) + share * (math.log(time) - math.log(cheaper)))
+    return None
+
+
+def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Indexes of the points (wall time, error) that no other point beats in both, cheapest first."""
+    front, best = [], math.inf
+    for index in sorted(range(len(points)), key=lambda i: points[i]):
+        if points[index][1] < best:
+            best = points[index][1]
+            front.append(index)
+    return front
+
+
+def best_shift(t: Array, y: Array, at: Array, reference: Array, largest: float) -> tuple[float, float]:
+    """Time shift within +-largest that makes the NRMSE smallest, and that NRMSE; the run may end a shift early."""
+    def error(shift: float) -> float:
+        return nrmse(np.interp(at + shift, t, y), reference)
+
+    shift = min(np.linspace(-largest, largest, 201), key=error)
+    return float(shift), error(shift)

@@ -1,0 +1,151 @@
+"""results.json as one page that opens without a network."""
+
+import math
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader
+
+from case import LEVELS, Case
+from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
+from judge import headline, points_of, times_to_targets
+from references import ReferenceMissing
+from runs import Place
+
+WORD = {"met": "met", "missed": "missed", "no target": "–", "reference not installed": "reference not installed"}
+
+
+def figure(value: float | None, unit: str = "") -> str:
+    """Three digits with the unit of a measure; a share as percent."""
+    if value is None or not math.isfinite(value):
+        return "none"
+    shown = 100 * value if unit == "%" else value
+    text = "0" if shown == 0 else f"{shown:.3g}"
+    return f"{text} {unit}".strip()
+
+
+def seconds(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.2g} s" if value < 10 else f"{value:.0f} s" if value < 120 else f"{value / 60:.1f} min"
+
+
+def error_chart(case: Case, rows: list[dict]) -> str:
+    """Headline error against wall time, log-log; all settings, resolutions of one setting joined."""
+    measure = case.measures[0]
+    plot = Plot("wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True)
+    scale = 100 if measure.unit == "%" else 1
+    shown = [r for r in points_of(rows) if headline(r)["value"] > 0]
+    titled = set()
+    for group in dict.fromkeys(r["group"] for r in shown):
+        members = sorted((r for r in shown if r["group"] == group), key=lambda r: -r["h"])
+        method = members[0]["method"]
+        title = "" if method in titled else method
+        titled.add(method)
+        plot.lines.append(Line(title, [r["wall_s"] for r in members], [scale * headline(r)["value"] for r in members],
+                               f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.6 lw 1"))
+    front = [r for r in shown if r.get("pareto")]
+    if len(case.variants) == 1 and len(front) > 0:
+        front.sort(key=lambda r: r["wall_s"])
+        plot.lines.append(Line("Pareto front", [r["wall_s"] for r in front], [scale * headline(r)["value"] for r in front],
+                               "steps lc rgb '#999999' lw 4 dt 1"))
+        plot.lines.insert(0, plot.lines.pop())
+    targets = dict.fromkeys(measure.targets)
+    plot.levels = [(scale * t, f"target {level}" if len(targets) > 1 else "target")
+                   for t, level in zip(targets, LEVELS[1:]) if any(r["level"] == level for r in rows) or level == "10s"]
+    return draw(plot) if shown else ""
+
+
+def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tuple[str, str]:
+    """Runs at the finest resolution of every method over the reference; and why there is no reference, if so."""
+    chart = case.chart
+    if not chart:
+        return "", ""
+    plot = Plot(chart.x, chart.y, log_x=chart.log_x)
+    missing = ""
+    with_curve = [r for r in rows if r["curve"]]
+    if chart.reference:
+        try:
+            for number, variant in enumerate(case.variants[:1] if chart.joined else case.variants):
+                x, y = chart.reference(variant, references)
+                style = "points pt 6 ps 0.7 lw 1.5 lc rgb 'black'" if chart.points else "lines lc rgb '#222222' lw 3 dt 3"
+                plot.lines.append(Line(chart.reference_name if number == 0 else "", list(map(float, x)), list(map(float, y)), style))
+        except ReferenceMissing as why:
+            missing = str(why)
+    for method in dict.fromkeys(r["method"] for r in with_curve):
+        mine = [r for r in with_curve if r["method"] == method]
+        finest = min(r["h"] for r in mine)
+        mine = [r for r in mine if r["h"] == finest]
+        title = f"{method}, {finest:g} {case.unit}"
+        colour = COLOURS[method]
+        if chart.joined:
+            pairs = sorted((r["curve"][0][0], r["curve"][1][0]) for r in mine)
+            plot.lines.append(Line(title, [p[0] for p in pairs], [p[1] for p in pairs],
+                                   f"points pt {MARKS[method]} ps 0.8 lc rgb '{colour}'"))
+            continue
+        for number, row in enumerate(mine):
+            name = f"{title}{', ' + row['variant'] if row['variant'] else ''}"
+            plot.lines.append(Line(name, *row["curve"],
+                                   f"lines lw 1.6 lc rgb '{colour}' dt {DASHES[number % len(DASHES)]}"))
+    return draw(plot) if with_curve else "", missing
+
+
+def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
+    chart, missing = reference_chart(case, rows, references)
+    judged = [r for r in rows if any(m["target"] is not None for m in r["measures"])] or rows
+    finest = min(judged, key=lambda r: r["h"])
+    pictures = [place.out / "runs" / r["id"] / "picture.png" for r in rows]
+    return {
+        "case": case, "rows": rows, "error_chart": error_chart(case, rows), "reference_chart": chart, "missing": missing,
+        "picture": next((t for t in map(thumbnail, pictures) if t), ""), "finest": finest,
+        "times": times_to_targets(case, rows), "targets": list(dict.fromkeys(case.measures[0].targets)),
+    }
+
+
+def worst(rows: list[dict], index: int) -> dict:
+    """The worst variant of one measure: the largest error, and one without a figure before all."""
+    return max(rows, key=lambda r: math.inf if r["measures"][index]["value"] is None else r["measures"][index]["value"])
+
+
+def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
+    """A line per case and method at its finest level that has targets; over the variants the worst counts."""
+    lines = []
+    for case in cases:
+        for method in case.methods:
+            mine = [r for r in rows if r["case"] == case.id and r["method"] == method and r["level"] != "coarse"]
+            if not mine:
+                continue
+            level = max((r["level"] for r in mine), key=LEVELS.index)
+            mine = [r for r in mine if r["level"] == level]
+            measures = []
+            for index in range(len(case.measures)):
+                row = worst(mine, index)
+                met = sum(r["measures"][index]["verdict"] == "met" for r in mine)
+                measures.append({**row["measures"][index], "variant": row["variant"], "met": met, "of": len(mine)})
+            speeds = [r["particle_steps_per_s"] for r in mine if r.get("particle_steps_per_s")]
+            walls = [r["wall_s"] for r in mine if r["wall_s"]]
+            lines.append({"case": case, "method": method, "level": level, "h": mine[0]["h"], "measures": measures,
+                          "wall_s": max(walls) if walls else None, "runs": len(mine),
+                          "status": next((r["status"] for r in mine if r["status"] != "finished"), "finished"),
+                          "failed": sum(r["status"] != "finished" for r in mine),
+                          "speed": sorted(speeds)[len(speeds) // 2] if speeds else None})
+    return lines
+
+
+def tally(rows: list[dict]) -> dict[str, int]:
+    """How many figures of all runs with a target met it."""
+    verdicts = [m["verdict"] for r in rows for m in r["measures"]]
+    return {word: verdicts.count(word) for word in ("met", "missed", "reference not installed")}
+
+
+def write(place: Place, cases: list[Case], results: dict, references: list[Path], changes: dict | None) -> Path:
+    environment = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True,
+                              lstrip_blocks=True)
+    environment.filters |= {"figure": figure, "seconds": seconds}
+    rows = results["rows"]
+    sections = [case_section(place, case, [r for r in rows if r["case"] == case.id], references)
+                for case in cases if any(r["case"] == case.id for r in rows)]
+    text = environment.get_template("page.html.j2").render(
+        results=results, sections=sections, summary=summary(cases, rows), tally=tally(rows), changes=changes, word=WORD)
+    path = place.out / "report.html"
+    path.write_text(text)
+    return path

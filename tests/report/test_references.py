@@ -1,0 +1,104 @@
+"""Exact answers against published values, against conditions that they must meet, and against each other."""
+
+import math
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import references
+
+
+class Formulas(unittest.TestCase):
+    def test_elliptic_integral(self):
+        # Abramowitz and Stegun, table 17.1: K at modular angles 0, 45 and 80 degrees.
+        for degrees, value in ((0, 1.57079632679), (45, 1.85407467730), (80, 3.15338525189)):
+            self.assertAlmostEqual(references.elliptic_k(math.sin(math.radians(degrees))), value, places=10)
+
+    def test_pendulum_by_its_series(self):
+        a = math.radians(30)
+        series = 1 + a**2 / 16 + 11 * a**4 / 3072 + 173 * a**6 / 737280 + 22931 * a**8 / 1321205760
+        self.assertAlmostEqual(references.pendulum_period(2, a), 2 * series, places=8)
+
+    def test_added_mass_far_from_a_wall_and_near(self):
+        self.assertAlmostEqual(references.added_mass("cylinder", 1e4), 1, places=7)
+        self.assertAlmostEqual(references.added_mass("sphere", 1e4), 0.5, places=7)
+        self.assertAlmostEqual(references.added_mass("cylinder", 2), 5 / 3, places=14)
+        self.assertAlmostEqual(references.added_mass("sphere", 2), 5 / 7, places=14)
+
+    def test_channel_starts_at_rest_and_ends_steady(self):
+        y = np.linspace(0, 1, 11)
+        poiseuille, couette = references.channel_startup(y, 5.0)
+        np.testing.assert_allclose(poiseuille, y * (1 - y) / 2, atol=1e-12)
+        np.testing.assert_allclose(couette, y, atol=1e-12)
+        # Morris et al. 1997: a wall far away is not felt yet, u = F t.
+        poiseuille, couette = references.channel_startup(np.array([0.5]), 0.01)
+        self.assertAlmostEqual(poiseuille[0], 0.01, places=5)
+        self.assertAlmostEqual(couette[0], math.erfc(0.5 / 2 / math.sqrt(0.01)), places=9)
+
+    def test_sloshing_in_deep_and_shallow_water(self):
+        self.assertAlmostEqual(references.sloshing_period(2, 100, 2), 2 * math.pi / math.sqrt(9.81 * math.pi), places=10)
+        self.assertAlmostEqual(references.sloshing_period(1, 1e-3, 1), 2 / math.sqrt(9.81e-3), places=4)
+
+    def test_piston_root(self):
+        for ratio in (0.01, 1, 100):
+            q = references.piston_root(ratio)
+            self.assertAlmostEqual(ratio * q * math.tan(q), 1, places=9)
+        self.assertAlmostEqual(references.piston_root(1), 0.86033358901938, places=12)  # Abramowitz and Stegun, table 4.20
+
+
+class Diffusion(unittest.TestCase):
+    def test_a_massive_plate_slows_down_by_the_shear_of_a_half_space(self):
+        # Before the walls are felt: sigma u' = -2 mu u0 / sqrt(pi nu t), so u = u0 (1 - 4 mu sqrt(t / (pi nu)) / sigma).
+        ratio, t, nu = 1e4, 0.2, 1e-3
+        loss = 4 * nu * math.sqrt(t / (math.pi * nu)) / (ratio * 0.02)
+        got = 1 - references.plate_between_walls(ratio, np.array([t]), 800)[0]
+        self.assertAlmostEqual(got / loss, 1, delta=5e-3)  # the grid's share at this early time
+
+    def test_a_massive_plate_ends_with_the_decay_of_steady_shear(self):
+        # u' = -2 nu / (gap thickness ratio) u once the profile between plate and wall is linear.
+        ratio = 1e4
+        u = references.plate_between_walls(ratio, np.array([50.0, 100.0]))
+        self.assertAlmostEqual(math.log(u[0] / u[1]) / 50 / (2 * 1e-3 / (0.1 * 0.02 * ratio)), 1, places=3)
+
+    def test_a_massive_cylinder_ends_with_the_decay_of_steady_couette_flow(self):
+        # Torque 4 pi mu a^2 b^2 / (b^2 - a^2) omega over the moment ratio rho pi a^4 / 2.
+        ratio, a, b = 1e4, 0.1, 0.2
+        w = references.annulus_spin_down(ratio, np.array([50.0, 100.0]))
+        rate = 4e-3 * b**2 / (b**2 - a**2) / (ratio * a**2 / 2)
+        self.assertAlmostEqual(math.log(w[0] / w[1]) / 50 / rate, 1, places=3)
+
+    def test_twice_the_cells_change_nothing(self):
+        times = np.array([0.1, 1.0])
+        for solve in (references.plate_between_walls, references.annulus_spin_down):
+            np.testing.assert_allclose(solve(1, times, 400), solve(1, times, 200), atol=2e-4)
+
+
+class Tumbling(unittest.TestCase):
+    def test_a_symmetric_top_precesses(self):
+        # I1 = I2 = 1, I3 = 2: w1 + i w2 turns at (I3 - I1) / I1 w3.
+        w = references.tumbling(np.array([1.0, 1.0, 2.0]), np.array([0.1, 0.0, 3.0]), np.array([0.0, 1.0]))[1]
+        np.testing.assert_allclose(w, [0.1 * math.cos(3), 0.1 * math.sin(3), 3], atol=1e-9)
+
+    def test_energy_and_momentum_stay(self):
+        inertia = np.array([1.0, 2.0, 3.0])
+        w = references.tumbling(inertia, np.array([0.01, 1, 0]), np.array([0.0, 10.0, 20.0]), 1e-2)
+        np.testing.assert_allclose((inertia * w**2).sum(1), 2.0001, atol=1e-8)
+        np.testing.assert_allclose(((inertia * w) ** 2).sum(1), 4.0001, atol=1e-8)
+
+
+class Tables(unittest.TestCase):
+    def test_comments_are_skipped_and_columns_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "a.csv").write_text("# words, more\n# units\nt_s,x_m\n0,1\n0.5,2\n")
+            table = references.read_table("a.csv", [Path(folder) / "none", Path(folder)])
+            np.testing.assert_array_equal(table["x_m"], [1, 2])
+
+    def test_a_table_that_is_not_there_is_said_to_be_missing(self):
+        with self.assertRaises(references.ReferenceMissing):
+            references.read_table("none.csv", [Path("nowhere")])
+
+
+if __name__ == "__main__":
+    unittest.main()

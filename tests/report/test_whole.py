@@ -1,0 +1,109 @@
+"""The command `report` from cases to page, on runs of less than a second."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parents[2]
+CHEAP = ["R4/90deg/ode/0.002", "R4/90deg/ode/0.001"]
+
+
+class Report(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory()
+        self.out = Path(self.scratch.name)
+
+    def tearDown(self):
+        self.scratch.cleanup()
+
+    def report(self, *words: str) -> subprocess.CompletedProcess:
+        return subprocess.run([sys.executable, "-B", TREE / "launch/report", *words, "--build", os.environ["BALLAST_BUILD"]],
+                              capture_output=True, text=True, cwd=self.out)
+
+    def rows(self, folder: str) -> dict[str, dict]:
+        return {r["id"]: r for r in json.loads((self.out / folder / "results.json").read_text())["rows"]}
+
+    def test_a_report_has_figures_and_a_page_without_links_to_a_network(self):
+        done = self.report(*CHEAP, "--out", "a")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = self.rows("a")
+        self.assertEqual(sorted(rows), sorted(CHEAP))
+        for row in rows.values():
+            self.assertEqual(row["status"], "finished")
+            self.assertLess(row["measures"][0]["value"], 1e-4)
+        page = (self.out / "a/report.html").read_text()
+        self.assertNotIn("http", page)
+        self.assertGreaterEqual(page.count("data:image/svg+xml"), 2)
+        self.assertIn(rows[CHEAP[0]]["run"].replace('"', "&#34;").replace("'", "&#39;"), page)
+
+    def test_finished_runs_are_kept_until_asked_for_again(self):
+        self.report(CHEAP[0], "--out", "a")
+        first = self.rows("a")[CHEAP[0]]["walls"]
+        self.report(CHEAP[0], "--out", "a")
+        self.assertEqual(self.rows("a")[CHEAP[0]]["walls"], first)
+        self.report(CHEAP[0], "--out", "a", "--again")
+        self.assertNotEqual(self.rows("a")[CHEAP[0]]["walls"], first)
+
+    def test_a_printed_command_makes_the_same_run(self):
+        self.report(CHEAP[0], "--out", "a")
+        row = self.rows("a")[CHEAP[0]]
+        import shlex
+
+        words = shlex.split(row["run"])
+        program = Path(os.environ["BALLAST_BUILD"]) / "bin/ballast_coordinator"
+        subprocess.run([program, *words[1:], "--quiet", "--out", self.out / "b"], cwd=TREE, check=True, capture_output=True)
+        record = json.loads((self.out / "b/record.json").read_text())
+        self.assertEqual(record["state_hash"], row["state_hash"])
+        self.assertTrue(row["state_hash"])
+
+    def test_a_reference_that_is_not_there_is_never_passed(self):
+        from judge import judge
+        from case import Case, Job, Measure, Variant
+        from references import read_table
+        from runs import Place
+
+        self.report(CHEAP[0], "--out", "a")
+        case = Case("R4", "", "", "report/pendulum", (), (
+            Measure("track", "m", lambda run: read_table("absent.csv", run.references)["x"], (1.0,)),), knob="coupling.rigid_step")
+        place = Place(TREE, Path("unused"), self.out / "a")
+        note = json.loads((self.out / "a/runs" / CHEAP[0] / "run.json").read_text())
+        row = judge(place, Job(case, Variant("90deg"), "ode", "10s", 0.002), note, [self.out])
+        self.assertEqual(row["measures"][0]["verdict"], "reference not installed")
+
+    def test_a_run_without_a_figure_is_a_miss(self):
+        from judge import judge
+        from case import Case, Job, Measure
+        from case import Variant
+        from runs import Place
+
+        case = Case("R4", "", "", "report/pendulum", (), (Measure("any", "", lambda run: 0.0, (1.0,)),))
+        note = {"status": "diverged", "message": "why", "wall_s": None, "walls": [], "started": "", "load": 0}
+        row = judge(Place(TREE, self.out, self.out), Job(case, Variant(), "ode", "10s", 0.002), note, [])
+        self.assertEqual((row["status"], row["measures"][0]["verdict"]), ("diverged", "missed"))
+
+    def test_an_unknown_case_is_refused_by_name(self):
+        done = self.report("Z9", "--out", "a")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("Z9", done.stderr)
+
+    def test_against_older_results_tells_better_from_worse(self):
+        import compare
+
+        def results(error: float, wall: float) -> dict:
+            return {"machine": "m", "rows": [{"id": "F1/x", "status": "finished", "wall_s": wall, "walls": [wall],
+                                              "measures": [{"name": "e", "unit": "", "value": error}]}]}
+
+        def words(old: dict, new: dict) -> list[str]:
+            return [line["word"] for line in compare.changes(old, new, "old")["lines"]]
+
+        self.assertEqual(words(results(0.1, 10), results(0.1, 11)), [])
+        self.assertEqual(words(results(0.1, 10), results(0.05, 20)), ["better", "slower"])
+        self.assertEqual(words(results(0.1, 10), results(0.2, 5)), ["worse", "faster"])
+
+
+if __name__ == "__main__":
+    unittest.main()
