@@ -17,13 +17,16 @@ import cases_coupled
 import cases_experiment
 import cases_fluid
 import cases_rigid
+import cases_viscous
+import cases_waves
 import compare
 import page
 from case import LEVELS, METHODS, Case, Job, jobs_of
 from judge import headline, judge, mark
 from runs import EXPECTED, Place, build_hash, finished, key_of, make
 
-CASES = (*cases_fluid.CASES, *cases_coupled.CASES, *cases_experiment.CASES, *cases_rigid.CASES)
+CASES = (*cases_fluid.CASES, *cases_coupled.CASES, *cases_viscous.CASES, *cases_waves.CASES, *cases_experiment.CASES,
+         *cases_rigid.CASES)
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
@@ -63,8 +66,8 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
 
 
 def reference_folders(place: Place, given: Path | None) -> list[Path]:
-    """Where `ballast run` looks, too."""
-    return [given.resolve()] if given else [place.tree / "tests/validation/reference", place.tree.parent / "shared/reference"]
+    """The folder given, then where `ballast run` looks, too."""
+    return [*([given.resolve()] if given else []), place.tree / "tests/validation/reference", place.tree.parent / "shared/reference"]
 
 
 def pictured(jobs: list[Job]) -> set[str]:
@@ -100,7 +103,8 @@ def describe(row: dict) -> str:
     if row["status"] != "finished":
         return f"{row['id']}: {row['status']}: {row['message']}"
     figures = ", ".join(f"{m['name']} {page.figure(m['value'], m['unit'])}"
-                        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "") for m in row["measures"])
+                        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
+                        + (f" [{m['note']}]" if m["note"] else "") for m in row["measures"])
     return f"{row['id']}: {figures}; {row['wall_s']:.2f} s"
 
 

@@ -120,6 +120,7 @@ class Case:
     methods: tuple[str, ...] = ("wcsph", "implicit")
     variants: tuple[Variant, ...] = (Variant(),)
     chart: Chart | None = None
+    shown: tuple[int, ...] | None = None  # which variants the chart shows; None: all
     knob: str = "world.spacing"
     overrides: dict[str, str] = field(default_factory=dict)
     source: str = ""

@@ -70,10 +70,12 @@ def extrema(t: Array, y: Array) -> tuple[Array, Array]:
     return np.array(times), np.array(values)
 
 
-def decay_rate(t: Array, y: Array, count: int | None = None) -> float:
-    """s of y ~ exp(-s t) cos(...), from the logarithms of its extrema; 1/s."""
-    times, values = extrema(t, y)
-    return -slope(times[:count], np.log(np.abs(values[:count])))
+def decay_rate(t: Array, y: Array, first: int = 0, count: int | None = None) -> float:
+    """s of y ~ exp(-s t) cos(...), from the logarithms of `count` extrema from `first` on, or all; 1/s."""
+    times, values = (e[first:][:count] for e in extrema(t, y))
+    if count is not None and times.size < count:
+        raise NoFigure(f"the motion has only {times.size} extrema after the first {first}")
+    return -slope(times, np.log(np.abs(values)))
 
 
 def observed_order(coarse_h: float, coarse_error: float, fine_h: float, fine_error: float) -> float | None:

@@ -62,10 +62,12 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
         return "", ""
     plot = Plot(chart.x, chart.y, log_x=chart.log_x)
     missing = ""
-    with_curve = [r for r in rows if r["curve"]]
+    variants = [case.variants[i] for i in case.shown] if case.shown else list(case.variants)
+    names = {v.name for v in variants}
+    with_curve = [r for r in rows if r["curve"] and r["variant"] in names]
     if chart.reference:
         try:
-            for number, variant in enumerate(case.variants[:1] if chart.joined else case.variants):
+            for number, variant in enumerate(variants[:1] if chart.joined else variants):
                 x, y = chart.reference(variant, references)
                 style = "points pt 6 ps 0.7 lw 1.5 lc rgb 'black'" if chart.points else "lines lc rgb '#222222' lw 3 dt 3"
                 plot.lines.append(Line(chart.reference_name if number == 0 else "", list(map(float, x)), list(map(float, y)), style))

@@ -1,0 +1,138 @@
+"""Bodies that pressure drives: sound in a column, waves on a surface, water behind a gate, impact on water."""
+
+import math
+
+import numpy as np
+
+from case import Case, Chart, Measure, Outcome, Variant
+from metrics import NoFigure, period, relative, resample, rms
+from references import piston_root, read_table
+
+Array = np.ndarray
+G = 9.81  # m/s^2, as in the scenes
+
+# B7
+
+MASSES = (0.01, 0.1, 1, 10)  # of the piston to the fluid
+
+
+def piston_frequency(run: Outcome) -> float:
+    """Over two periods about the place where the column carries the 20 N: F L / (rho c^2 A) = 1 mm lower."""
+    t, z = run.series("piston.z")
+    return 1 / period(t, z - z[0] + 1e-3, count=4)
+
+
+PISTON = Case(
+    id="B7", title="Piston on a compressible column", scene="report/piston",
+    about="A piston on a column of 1 m, sound speed 10 m/s, closed at the other end, let go under a pressure of a thousandth of rho c^2, at "
+          "ratios of piston to fluid mass of 0.01 to 10. First frequency over two periods. The implicit solver has no sound and is left out.",
+    source="linear acoustics: q tan q = fluid mass / piston mass",
+    resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005)),
+    measures=(Measure("frequency", "%", lambda r: relative(piston_frequency(r), 10 * piston_root(r["ratio"]) / (2 * math.pi)),
+                      (0.02, 0.01, 0.003)),),
+    methods=("wcsph", "staggered"),
+    variants=tuple(Variant(f"m{m:g}", {"models.piston.mass": f"{200 * m:g}"}, {"ratio": m}) for m in MASSES),
+    chart=Chart("mass of the piston / of the fluid", "frequency (Hz)", lambda r: (r["ratio"], piston_frequency(r)),
+                lambda v, f: ((m := np.geomspace(0.01, 10, 60)), np.array([10 * piston_root(x) / (2 * math.pi) for x in m])), joined=True,
+                log_x=True),
+)
+
+# B9
+
+HEAVE = "heave_decay_halfimmersed_cylinder_theory.csv"
+RADIUS, LIFT, TANK, DEPTH = 0.0762, 0.0254, 2.0, 0.5  # m
+
+
+def immersed(height: float) -> float:
+    """Area of a circle below a line `height` under its centre, m^2."""
+    return RADIUS**2 * math.acos(height / RADIUS) - height * math.sqrt(RADIUS**2 - height**2)
+
+
+REST = DEPTH + (math.pi * RADIUS**2 / 2 - immersed(LIFT)) / TANK  # m, of the centre: the water carved out at the start is less
+
+
+def heave(run: Outcome) -> tuple[Array, Array]:
+    """t sqrt(g / a) and height over that at the start."""
+    t, z = run.series("body.z")
+    return t * math.sqrt(G / RADIUS), (z - REST) / (z[0] - REST)
+
+
+def heave_error(run: Outcome) -> float:
+    table = read_table(HEAVE, run.references)
+    at = table["t_star"] <= 9
+    return rms(resample(*heave(run), table["t_star"][at]) - table["y_over_y0"][at])
+
+
+def heave_theory(folders: list) -> tuple[Array, Array]:
+    table = read_table(HEAVE, folders)
+    return table["t_star"][:91], table["y_over_y0"][:91]
+
+
+HEAVING = Case(
+    id="B9", title="Heave decay of a half-immersed cylinder", scene="report/heave_decay",
+    about="A cylinder of 0.1524 m and half the water's density is lifted by a third of its radius and let go. Linear theory of deep water; "
+          "waves come back from the walls after t sqrt(g / a) = 9.",
+    source="F. Ursell's multipoles and Cummins' equation, evaluated for this project",
+    resolutions=(("coarse", 0.01905), ("10s", 0.0127), ("1min", 0.0076), ("10min", 0.0038)),
+    measures=(Measure("height, rms over that at the start", "", heave_error, (0.08, 0.04, 0.02)),),
+    chart=Chart("t sqrt(g / a)", "height / at the start", heave, lambda v, f: heave_theory(f), "linear theory"),
+)
+
+# B13
+
+
+def moment(run: Outcome) -> Array:
+    """About the foot of the gate, N m per metre; its centre is 0.35 m above."""
+    return np.abs(0.35 * run.values("gate.fx", 1) + run.values("gate.ty", 1))
+
+
+EXACT = 1000 * G * 0.5**3 / 6
+GATE = Case(
+    id="B13", title="Gate that holds back water", scene="report/gate",
+    about="A gate locked at the bed holds back water 0.5 m deep; its moment about the foot from 1 s on, and how much it shakes.",
+    source="hydrostatics: rho g H^3 / 6",
+    resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125), ("10min", 0.00625)),
+    measures=(
+        Measure("mean moment", "%", lambda r: relative(float(moment(r).mean()), EXACT), (0.03, 0.015, 0.007)),
+        Measure("rms of the moment", "%", lambda r: float(moment(r).std()) / EXACT, (0.05, 0.02, 0.01)),
+    ),
+    chart=Chart("t (s)", "moment about the foot (N m / m)", lambda r: (r.series("gate.fx", 1)[0], moment(r)),
+                lambda v, f: (np.array([1, 4]), np.array([EXACT, EXACT])), "rho g H^3 / 6"),
+)
+
+# X4
+
+ENTRY = "cylinder_entry_rho{}_bem.csv"
+
+
+def penetration(run: Outcome) -> tuple[Array, Array]:
+    t, z = run.series("body.z")
+    return t * math.sqrt(G / 0.11), (z[0] - z) / 0.11
+
+
+def entry_reference(density: float, folders: list) -> tuple[Array, Array]:
+    table = read_table(ENTRY.format(f"{density:g}"), folders)
+    return table["t_star"], table["penetration"]
+
+
+def entry_error(run: Outcome) -> float:
+    at, exact = entry_reference(run["density"], run.references)
+    inside = at >= 0
+    if not inside.any():
+        raise NoFigure("the reference has no row after the impact")
+    return rms(resample(*penetration(run), at[inside]) - exact[inside])
+
+
+ENTERING = Case(
+    id="X4", title="Cylinder that falls into water", scene="report/cylinder_entry",
+    about="A cylinder of 0.11 m hits water 0.3 m deep at 2.955 m/s, density 500 and 1000 kg/m^3; how deep its centre is against a "
+          "boundary-element solution. The target is that of density 500.",
+    source="P.N. Sun et al., Appl. Ocean Res. 72 (2018) 60-75 (their boundary-element curve, digitised); set-up of Greenhow and Lin 1983",
+    resolutions=(("coarse", 0.011), ("10s", 0.0055), ("1min", 0.00275)),
+    measures=(Measure("way of the centre / D, rms", "", entry_error, (0.08, 0.04, 0.025)),),
+    variants=tuple(Variant(f"rho{d}", {"models.body.density": f"{d}"}, {"density": d}) for d in (500, 1000)),
+    chart=Chart("t sqrt(g / D)", "way of the centre / D", penetration, lambda v, f: entry_reference(v.values["density"], f),
+                "boundary elements", points=True),
+)
+
+CASES = (PISTON, HEAVING, GATE, ENTERING)
