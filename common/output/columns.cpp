@@ -37,6 +37,9 @@ std::vector<std::string> probe_columns(const Scene& scene) {
       case ProbeKind::kPressureError:
         out.push_back(probe.name);
         break;
+      case ProbeKind::kVelocity:
+        append(out, probe.name, {"vx", "vy", "vz"});
+        break;
       case ProbeKind::kForce:
         append(out, probe.name, {"fx", "fy", "fz", "tx", "ty", "tz"});
         break;

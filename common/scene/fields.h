@@ -248,6 +248,7 @@ void visit(V& v, Probe& p) {
   v({"name", kNone, "column in probes.csv", kAnyNumber, kRequired}, Name{p.name});
   v.option({"level_at", kLength, "height of the surface above [x, y]"}, form, std::tuple{kLevel}, Ground{p.at});
   v.option({"pressure_at", kLength, "pressure at [x, y, z]"}, form, std::tuple{kPressure}, p.at);
+  v.option({"velocity_at", kLength, "velocity of the fluid at [x, y, z]"}, form, std::tuple{kVelocity}, p.at);
   v.option({"force_on", kNone, "force and torque of the fluid on a model"}, form, std::tuple{kForce}, Name{p.target});
   v.option({"pose_of", kNone, "position and orientation of a model"}, form, std::tuple{kPose}, Name{p.target});
   v.option({"pressure_error", kNone, "of a fluid at rest against rho g depth"}, form, std::tuple{kPressureError},

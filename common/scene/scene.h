@@ -170,16 +170,16 @@ struct Numerics {
   bool reduced_gravity = false;
 };
 
-enum class ProbeKind { kLevel, kPressure, kForce, kPose, kPressureError };
+enum class ProbeKind { kLevel, kPressure, kVelocity, kForce, kPose, kPressureError };
 
 /// Something measured at every output time. Columns in probes.csv:
-/// kLevel "name" (m); kPressure "name" (Pa); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque
+/// kLevel "name" (m); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque
 /// about its centre of mass, or about its frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz";
 /// kPressureError "name": L2 over the fluid's particles of p - rho g (level - z), over rho g depth.
 struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLevel;
-  Vec3 at = Vec3::Zero();  ///< kLevel (x, y), kPressure (x, y, z), m
+  Vec3 at = Vec3::Zero();  ///< kLevel (x, y), kPressure and kVelocity (x, y, z), m
   std::string target;      ///< kForce, kPose: model; kPressureError: fluid
   Place place;
 };

@@ -1,6 +1,7 @@
 // Probes: sums over the particles near a point or a column.
 #include "fluid_server/probes/probes.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,7 @@ namespace {
 struct Near {
   Vec3 offset;  // particle - point, m
   double volume, p, density;
+  Vec3 velocity;  // m/s
 };
 
 /// Particles within `reach` of the point; along z only if `column` is false.
@@ -24,7 +26,8 @@ std::vector<Near> near(const WcsphFluid& fluid, const Vec3& point, double reach,
     Vec3 offset = c.difference({r.x, r.y, r.z}, at);
     if (fluid.constants().kernel.dimension == 2) offset[1] = 0;
     const double flat = column ? std::hypot(offset[0], offset[1]) : offset.norm();
-    if (flat < reach) found.push_back({offset, r.volume, r.p, fluid.fluid_of(particles.id[f]).density});
+    if (flat < reach)
+      found.push_back({offset, r.volume, r.p, fluid.fluid_of(particles.id[f]).density, {r.vx, r.vy, r.vz}});
   }
   return found;
 }
@@ -90,6 +93,22 @@ double pressure_at(const WcsphFluid& fluid, const Vec3& point) {
   return weight > 0 ? sum / weight : 0;
 }
 
+Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point) {
+  const Kernel& kernel = fluid.constants().kernel;
+  const auto found = near(fluid, point, kernel.support, false);
+  if (found.empty()) return Vec3::Zero();
+  // Rows sqrt(w) [1, offset / support] and sqrt(w) v; where particles do not span all directions the solution of
+  // smallest norm leaves those gradients out.
+  Eigen::MatrixXd terms(found.size(), 4), values(found.size(), 3);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const double w = std::sqrt(found[i].volume * kernel.value(found[i].offset.norm()));
+    terms.row(row) << w, (w / kernel.support) * found[i].offset.transpose();
+    values.row(row) = w * found[i].velocity.transpose();
+  }
+  return terms.completeOrthogonalDecomposition().solve(values).row(0).transpose();
+}
+
 std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
                                 std::span<const exchange::BodyState> states) {
   std::vector<double> row;
@@ -102,6 +121,11 @@ std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
       case ProbeKind::kPressure:
         row.push_back(pressure_at(fluid, probe.at));
         break;
+      case ProbeKind::kVelocity: {
+        const Vec3 v = velocity_at(fluid, probe.at);
+        row.insert(row.end(), v.begin(), v.end());
+        break;
+      }
       case ProbeKind::kForce: {
         const exchange::Wrench& w = fluid.wrenches()[target];
         row.insert(row.end(), w.force, w.force + 3);

@@ -20,6 +20,10 @@ double surface_level(const WcsphFluid& fluid, double x, double y);
 /// Kernel mean of the particles' pressure, carried to the point along the hydrostatic gradient, Pa; 0 away from fluid.
 double pressure_at(const WcsphFluid& fluid, const Vec3& point);
 
+/// Value at the point of the linear field that fits the particles' velocities best, weighted by the kernel, m/s: exact
+/// for linear fields also beside walls, where a mean would lag behind; 0 away from fluid.
+Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point);
+
 /// Particles that are more than half a spacing inside a solid or outside every container that the scene has.
 std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,
                             std::span<const exchange::BodyState> states);

@@ -75,7 +75,7 @@ NEUTRAL = Case(
     id="B10", title="Neutral buoyancy: drift", scene="neutral",
     about="A disc of the water's own density, 0.2 m wide, at rest in mid-depth for 10 s. It stays.",
     source="no motion",
-    resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125), ("10min", 0.00625)),
+    resolutions=(("coarse", 0.05), ("coarse", 0.025), ("10s", 0.0125), ("1min", 0.00625)),
     measures=(Measure("largest way / diameter", "%", lambda r: way(r) / 0.2, (0.01, 0.003, 0.001)),),
     chart=Chart("t (s)", "height of the centre (m)", lambda r: r.series("disc.z"),
                 lambda v, f: (np.array([0, 10]), np.array([0.5, 0.5])), "no motion"),

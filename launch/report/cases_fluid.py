@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from case import Case, Chart, Measure, Outcome
-from metrics import NoFigure, best_shift, relative
-from references import martin_moyce
+from case import Case, Chart, Measure, Outcome, Variant
+from metrics import NoFigure, best_shift, extrema, period, relative, resample, rms
+from references import channel_startup, martin_moyce, sloshing_period
 
 G = 9.81  # m/s^2, as in the scenes
 
@@ -68,4 +68,72 @@ DAM_BREAK = Case(
     chart=Chart("t sqrt(2 g / a)", "front / a", front, lambda v, f: martin_moyce(), "Martin and Moyce 1952", points=True),
 )
 
-CASES = (HYDROSTATIC, DAM_BREAK)
+# F3: gap, viscosity and force per mass are 1 in the scene
+
+HEIGHTS = {"a": 0.1, "b": 0.25, "c": 0.5, "d": 0.75, "e": 0.9}  # of the probes
+TIMES = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
+PLATE_SPEED = 0.1  # m/s, of the upper plane in the Couette flow
+
+
+def channel_exact(couette: float, z: float, times: np.ndarray) -> np.ndarray:
+    return np.array([channel_startup(np.array([z]), t)[int(couette)][0] for t in times]) * (PLATE_SPEED if couette else 1)
+
+
+def channel_error(run: Outcome) -> float:
+    """rms over five heights and seven times, over the largest speed."""
+    off = [resample(*run.series(f"{name}.vx"), TIMES) - channel_exact(run["couette"], z, TIMES) for name, z in HEIGHTS.items()]
+    return rms(np.concatenate(off)) / (PLATE_SPEED if run["couette"] else 1 / 8)
+
+
+FINE = np.linspace(0, 1, 101)
+CHANNEL = Case(
+    id="F3", title="Start-up of channel flow", scene="report/channel",
+    about="A viscous fluid between two planes is set in motion by a body force (Poiseuille) or by the upper plane (Couette); speed at five "
+          "heights and seven times. The walls are at their true place.",
+    source="Fourier series of J.P. Morris, P.J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226",
+    resolutions=(("coarse", 0.1), ("coarse", 0.0625), ("10s", 0.03125), ("1min", 0.015625)),
+    measures=(Measure("speed, rms over the largest", "%", channel_error, (0.01, 0.003, 0.001)),),
+    variants=(
+        Variant("poiseuille", {}, {"couette": 0}),
+        Variant("couette", {"world.gravity": "[0, 0, 0]", "models.ceiling.prescribed": f"{{ velocity: [{PLATE_SPEED}, 0, 0] }}"},
+                {"couette": 1}),
+    ),
+    chart=Chart("t nu / L^2", "speed at z / L = 0.5", lambda r: (r.series("c.vx")[0], r.values("c.vx")),
+                lambda v, f: (FINE, channel_exact(v.values["couette"], 0.5, FINE)), "Fourier series"),
+)
+
+# F4
+
+AMPLITUDE = 0.05  # m
+WAVE = sloshing_period(2, 1, 2) * (1 + (np.pi * AMPLITUDE) ** 2 / 8)  # s, with the lengthening by a finite amplitude
+
+
+def wave(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
+    """Height of the middle above still water, over the amplitude."""
+    t, z = run.series("middle")
+    return t, (z - 1) / AMPLITUDE
+
+
+def amplitude_lost(run: Outcome) -> float:
+    """From the first to the last of the first ten extremes, five periods after the start."""
+    _, tops = extrema(*wave(run))
+    if tops.size < 9:
+        raise NoFigure(f"the wave has only {tops.size} extremes")
+    return 1 - abs(tops[8]) / abs(tops[0]) if tops[0] else 1.0
+
+
+STANDING_WAVE = Case(
+    id="F4", title="Standing wave", scene="report/standing_wave",
+    about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of the "
+          "height of its middle is lost from the first extreme to the ninth, four periods later.",
+    source="omega^2 = g k tanh(k H), period longer by (k A)^2 / 8",
+    resolutions=(("coarse", 0.08), ("10s", 0.04), ("1min", 0.02), ("10min", 0.01)),
+    measures=(
+        Measure("period", "%", lambda r: relative(period(*wave(r), count=8), WAVE), (0.02, 0.01, 0.005)),
+        Measure("amplitude lost", "%", amplitude_lost, (0.2, 0.1, 0.05)),
+    ),
+    chart=Chart("t (s)", "height of the middle / amplitude", wave,
+                lambda v, f: ((t := np.linspace(0, 6, 300)), -np.cos(2 * np.pi * t / WAVE)), "first order, lengthened"),
+)
+
+CASES = (HYDROSTATIC, CHANNEL, STANDING_WAVE, DAM_BREAK)
