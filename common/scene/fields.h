@@ -83,6 +83,10 @@ void visit(V& v, Fluid& f) {
   v({"surface_tension", kSurfaceTension, "against the empty space around it", kNotNegative}, f.surface_tension);
   v({"velocity", kSpeed, "at the start"}, f.velocity);
   v({"angular_velocity", kAngularSpeed, "at the start, about the centre of the fill"}, f.angular_velocity);
+  v.group({"vortices", kNone, "Taylor-Green vortices in planes x-z at the start"}, [&](auto& w) {
+    w({"speed", kSpeed, "largest"}, f.vortex_speed);
+    w({"wavelength", kLength, "after which they repeat", kPositive}, f.vortex_wavelength);
+  });
   v({"fill", kNone, "where it is at the start; solids inside are carved out", kAnyNumber, kRequired}, f.fill);
 }
 

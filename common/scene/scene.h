@@ -67,6 +67,10 @@ struct Fluid {
   double surface_tension = 0;            ///< N/m
   Vec3 velocity = Vec3::Zero();          ///< m/s at the start
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, rigid rotation about the centre of the fill at the start
+  /// Taylor-Green vortices at the start, added to both: v += speed [-cos(kx) sin(kz), 0, sin(kx) cos(kz)] at the place
+  /// [x, y, z] in the world, k = 2 pi / wavelength.
+  double vortex_speed = 0;       ///< m/s
+  double vortex_wavelength = 1;  ///< m
   Fill fill;
   Place place;
 };
@@ -173,9 +177,10 @@ struct Numerics {
 enum class ProbeKind { kLevel, kPressure, kVelocity, kForce, kPose, kPressureError };
 
 /// Something measured at every output time. Columns in probes.csv:
-/// kLevel "name" (m); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque
-/// about its centre of mass, or about its frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz";
-/// kPressureError "name": L2 over the fluid's particles of p - rho g (level - z), over rho g depth.
+/// kLevel "name" (m); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m,
+/// of the fluid on the model, torque about its centre of mass, or about its frame's origin if it is static); kPose
+/// "name.x/y/z/qw/qx/qy/qz"; kPressureError "name": L2 over the fluid's particles of p - rho g (level - z), over rho g
+/// depth.
 struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLevel;

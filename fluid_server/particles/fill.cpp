@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <unordered_map>
 
@@ -244,7 +245,10 @@ FilledOne fill_one(const Region& region, const Obstacles& obstacles, const Scene
 Record make_record(const Vec3& site, const Fluid& fluid, const Vec3& centre, double top, double volume,
                    const Scene& scene, const Coordinates& coordinates) {
   const Fixed3 at = coordinates.to_fixed(site);
-  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site - centre);
+  const double kx = 2 * std::numbers::pi / fluid.vortex_wavelength * site[0];
+  const double kz = 2 * std::numbers::pi / fluid.vortex_wavelength * site[2];
+  const Vec3 vortices(-std::cos(kx) * std::sin(kz), 0, std::sin(kx) * std::cos(kz));
+  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site - centre) + fluid.vortex_speed * vortices;
   const double depth = std::max(top - site[2], 0.0);
   const double p = scene.numerics.reduced_gravity ? 0 : -fluid.density * scene.world.gravity[2] * depth;
   return {at[0],

@@ -7,26 +7,19 @@ import fcntl
 import fnmatch
 import json
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 from tqdm import tqdm
 
-import cases_coupled
-import cases_experiment
-import cases_fluid
-import cases_rigid
-import cases_viscous
-import cases_waves
 import compare
 import page
-from case import LEVELS, METHODS, Case, Job, jobs_of
-from judge import headline, judge, mark
+from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
+from cases import ALL
+from judge import judge, mark
 from runs import EXPECTED, Place, build_hash, finished, key_of, make
-
-CASES = (*cases_fluid.CASES, *cases_coupled.CASES, *cases_viscous.CASES, *cases_waves.CASES, *cases_experiment.CASES,
-         *cases_rigid.CASES)
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
@@ -56,12 +49,12 @@ def fits(job: Job, patterns: list[str]) -> bool:
 def choose(chosen: argparse.Namespace) -> list[Job]:
     methods = set(chosen.methods) if chosen.methods else None
     # A run that is named by its whole id is meant whatever its level.
-    everything = [job for case in CASES for job in jobs_of(case, LEVELS[-1], methods)]
+    everything = [job for case in ALL for job in jobs_of(case, LEVELS[-1], methods)]
     named = {job.id for job in everything} & set(chosen.cases)
-    jobs = [job for case in CASES for job in jobs_of(case, LEVELS[-1] if named else chosen.level, methods)]
+    jobs = [job for case in ALL for job in jobs_of(case, LEVELS[-1] if named else chosen.level, methods)]
     unknown = [p for p in chosen.cases if not any(fits(job, [p]) for job in everything)]
     if unknown:
-        raise SystemExit(f"ballast report: no run fits {', '.join(unknown)}; cases are {', '.join(c.id for c in CASES)}")
+        raise Refused(f"no run fits {', '.join(unknown)}; cases are {', '.join(c.id for c in ALL)}")
     return [job for job in jobs if (job.id in named if named else fits(job, chosen.cases))]
 
 
@@ -124,18 +117,20 @@ def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, referen
                 notes[job.id] = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
                 bar.update(EXPECTED[job.level] * chosen.repeats)
             rows.append(judge(place, job, notes[job.id], references))
+            if chosen.references:
+                rows[-1]["report"] += f" --references {shlex.quote(str(chosen.references))}"
             tqdm.write(describe(rows[-1]))
     return rows
 
 
 def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], place: Place) -> dict:
-    def one(key: str) -> str:
-        return "; ".join(dict.fromkeys(str(r[key]) for r in rows if key in r)) or "unknown"
+    def one(key: str, of: list[dict] = rows) -> str:
+        return "; ".join(dict.fromkeys(str(r[key]) for r in of if key in r)) or "unknown"
 
     loads = [r["load"] for r in rows]
     return {
         "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"), "level": chosen.level,
-        "machine": one("machine"), "version": one("version"), "threads": one("threads"), "commit": commit(place.tree),
+        "machine": one("machine"), "version": one("version"), "threads": one("threads", [r for r in rows if r.get("particles")]), "commit": commit(place.tree),
         "repeats": chosen.repeats, "load": [min(loads), max(loads)],
         "wall_total": sum(w for r in rows for w in r["walls"]),
         "command": shlex.join(["./launch/ballast", "report", *words]), "rows": rows,
@@ -156,15 +151,17 @@ def main() -> int:
             done = finished(place, job, key_of(place, job, programs, chosen.repeats))
             print(f"{job.id}  {job.level}  {done['status'] if done else 'to be made'}")
         return 0
+    if not shutil.which("gnuplot"):
+        raise Refused("gnuplot, which draws the charts, is not there: apt-get install gnuplot-nox")
     place.out.mkdir(parents=True, exist_ok=True)
     references = reference_folders(place, chosen.references)
     with (place.out / ".lock").open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise SystemExit(f"ballast report: another report writes to {chosen.out}; wait for it or give another --out") from None
+            raise Refused(f"another report writes to {chosen.out}; wait for it or give another --out") from None
         rows = carry_out(place, jobs, chosen, references)
-        cases: list[Case] = [case for case in CASES if any(job.case is case for job in jobs)]
+        cases: list[Case] = [case for case in ALL if any(job.case is case for job in jobs)]
         for case in cases:
             mark([r for r in rows if r["case"] == case.id])
         results = results_of(rows, chosen, words, place)
@@ -181,5 +178,9 @@ def main() -> int:
 if __name__ == "__main__":
     try:
         sys.exit(main())
+    except Refused as why:
+        print(f"ballast report: {why}", file=sys.stderr)
+        sys.exit(2)
     except KeyboardInterrupt:
-        sys.exit("ballast report: stopped; finished runs are kept, the same command goes on")
+        print("ballast report: stopped; finished runs are kept, the same command goes on", file=sys.stderr)
+        sys.exit(5)

@@ -14,6 +14,10 @@ Array = np.ndarray
 LEVELS = ("coarse", "10s", "1min", "10min")  # what a run may cost on two cores; coarse ones only show the order
 
 
+class Refused(Exception):
+    """What was asked for cannot be done: what, the value seen, what to do. Exit code 2."""
+
+
 @dataclass(frozen=True)
 class Method:
     """One way to compute the same scene: overrides of its keys."""

@@ -68,6 +68,52 @@ DAM_BREAK = Case(
     chart=Chart("t sqrt(2 g / a)", "front / a", front, lambda v, f: martin_moyce(), "Martin and Moyce 1952", points=True),
 )
 
+# F2
+
+SPOTS = {f"p{i}{j}": (0.1 + 0.25 * i, 0.15 + 0.25 * j) for i in range(4) for j in range(4)}
+RATE = 8 * np.pi**2 * 0.01  # 1/s, of the decay of speed
+
+
+def vortex_error(run: Outcome) -> float:
+    """Mean error of both components at 16 places at t = 1 s, over the largest exact speed then."""
+    at, fade = np.array([1.0]), np.exp(-RATE)
+    off = []
+    for name, (x, z) in SPOTS.items():
+        kx, kz = 2 * np.pi * x, 2 * np.pi * z
+        off.append(resample(*run.series(f"{name}.vx"), at) + np.cos(kx) * np.sin(kz) * fade)
+        off.append(resample(*run.series(f"{name}.vz"), at) - np.sin(kx) * np.cos(kz) * fade)
+    return float(np.mean(np.abs(off))) / fade
+
+
+def speed_left(run: Outcome) -> float:
+    """Deviation of the rms speed of all the fluid after 2 s from the exact one, over the exact one."""
+    ledger = run.record["ledger"]
+    exact = 0.5 * np.exp(-2 * RATE)
+    return relative(np.sqrt(2 * ledger["energy_J"]["kinetic"] / ledger["mass_kg"]) / np.sqrt(2), exact)
+
+
+def mean_speed(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
+    """rms over the 16 places, over its exact value at the start."""
+    t = run.series("p00.vx")[0]
+    squares = sum(np.square(run.values(f"{n}.v{c}")) for n in SPOTS for c in "xz")
+    start = sum((np.cos(2 * np.pi * x) * np.sin(2 * np.pi * z)) ** 2 + (np.sin(2 * np.pi * x) * np.cos(2 * np.pi * z)) ** 2
+                for x, z in SPOTS.values())
+    return t, np.sqrt(squares / start)
+
+
+TAYLOR_GREEN = Case(
+    id="F2", title="Taylor-Green vortices", scene="report/taylor_green",
+    about="Four vortices in a periodic square of 1 m, 1 m/s, Reynolds number 100, from a square lattice, for 2 s.",
+    source="speed fades with exp(-8 pi^2 nu t)",
+    resolutions=(("coarse", 1 / 16), ("coarse", 1 / 32), ("10s", 1 / 64), ("1min", 1 / 128)),
+    measures=(
+        Measure("velocity at 1 s, L1", "%", vortex_error, (0.06, 0.03, 0.015)),
+        Measure("rms speed after 2 s", "%", speed_left, (0.10, 0.04, 0.02)),
+    ),
+    chart=Chart("t (s)", "rms speed / at the start", mean_speed,
+                lambda v, f: ((t := np.linspace(0, 2, 100)), np.exp(-RATE * t)), "exp(-8 pi^2 nu t)"),
+)
+
 # F3: gap, viscosity and force per mass are 1 in the scene
 
 HEIGHTS = {"a": 0.1, "b": 0.25, "c": 0.5, "d": 0.75, "e": 0.9}  # of the probes
@@ -98,7 +144,7 @@ CHANNEL = Case(
         Variant("couette", {"world.gravity": "[0, 0, 0]", "models.ceiling.prescribed": f"{{ velocity: [{PLATE_SPEED}, 0, 0] }}"},
                 {"couette": 1}),
     ),
-    chart=Chart("t nu / L^2", "speed at z / L = 0.5", lambda r: (r.series("c.vx")[0], r.values("c.vx")),
+    chart=Chart("t nu / L^2", "speed at z / L = 0.5 (m/s)", lambda r: (r.series("c.vx")[0], r.values("c.vx")),
                 lambda v, f: (FINE, channel_exact(v.values["couette"], 0.5, FINE)), "Fourier series"),
 )
 
@@ -136,4 +182,4 @@ STANDING_WAVE = Case(
                 lambda v, f: ((t := np.linspace(0, 6, 300)), -np.cos(2 * np.pi * t / WAVE)), "first order, lengthened"),
 )
 
-CASES = (HYDROSTATIC, CHANNEL, STANDING_WAVE, DAM_BREAK)
+CASES = (HYDROSTATIC, TAYLOR_GREEN, CHANNEL, STANDING_WAVE, DAM_BREAK)

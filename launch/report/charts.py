@@ -28,6 +28,7 @@ class Plot:
     lines: list[Line] = field(default_factory=list)
     log_x: bool = False
     log_y: bool = False
+    y_range: tuple[float, float] | None = None  # nothing beyond it is shown
     levels: list[tuple[float, str]] = field(default_factory=list)  # horizontal lines with a word
 
 
@@ -36,10 +37,10 @@ def _quoted(text: str) -> str:
 
 
 def script(plot: Plot) -> str:
-    out = ['set terminal svg size 560,340 dynamic enhanced font "Helvetica,12" background "white"',
+    out = ['set terminal svg size 480,320 dynamic enhanced font "Helvetica,12" background "white"',
            "set encoding utf8", f"set xlabel {_quoted(plot.x)} noenhanced", f"set ylabel {_quoted(plot.y)} noenhanced",
            "set border 3 lc rgb '#666666'", "set tics nomirror textcolor rgb '#333333'", "set grid lc rgb '#e4e4e4' lt 1",
-           "set key outside below horizontal samplen 2 spacing 1.1 noenhanced font 'Helvetica,11'"]
+           "set key above left horizontal samplen 2 spacing 1.1 noenhanced font 'Helvetica,11'"]
     ys = [v for line in plot.lines for v in line.y if math.isfinite(v) and (v > 0 or not plot.log_y)]
     ys += [v for v, _ in plot.levels]
     if plot.log_x:
@@ -47,8 +48,9 @@ def script(plot: Plot) -> str:
     if plot.log_y:
         out += ["set logscale y", 'set format y "%g"',
                 f"set yrange [{10 ** math.floor(math.log10(min(ys)) - 0.05)!r}:{10 ** math.ceil(math.log10(max(ys)) + 0.05)!r}]"]
-    elif ys and max(ys) - min(ys) < 1e-3 * max(abs(v) for v in ys):  # a curve that stays: show how well, not rounding
-        middle, half = (max(ys) + min(ys)) / 2, max(max(ys) - min(ys), 2e-3 * max(abs(v) for v in ys))
+    elif plot.y_range and ys:
+        low, high = max(min(ys), plot.y_range[0]), min(max(ys), plot.y_range[1])
+        middle, half = (low + high) / 2, max((high - low) / 2 * 1.05, 1e-3 * max(abs(low), abs(high)), 1e-12)
         out += [f"set yrange [{middle - half!r}:{middle + half!r}]"]
     for value, word in plot.levels:
         out += [f"set arrow from graph 0, first {value!r} to graph 1, first {value!r} nohead lc rgb '#CC79A7' dt 2 lw 1.2",

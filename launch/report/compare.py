@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from case import Refused
 from page import figure, seconds
 
 ERROR_NOISE = 0.02  # a run repeats bit for bit, so this is only what is worth a line
@@ -13,7 +14,7 @@ SHORT = 0.3  # s; shorter runs say nothing about speed
 def load(path: Path) -> dict:
     path = path / "results.json" if path.is_dir() else path
     if not path.is_file():
-        raise SystemExit(f"ballast report: --against: there is no {path}")
+        raise Refused(f"--against: there is no {path}; give results.json of another report, or its folder")
     return json.loads(path.read_text())
 
 

@@ -8,6 +8,7 @@ from jinja2 import Environment, FileSystemLoader
 from case import LEVELS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, points_of, times_to_targets
+from metrics import time_to_reach
 from references import ReferenceMissing
 from runs import Place
 
@@ -29,6 +30,10 @@ def seconds(value: float | None) -> str:
     return f"{value:.2g} s" if value < 10 else f"{value:.0f} s" if value < 120 else f"{value / 60:.1f} min"
 
 
+def speed(value: float | None) -> str:
+    return f"{value / 1e6:.2g} M" if value else ""
+
+
 def error_chart(case: Case, rows: list[dict]) -> str:
     """Headline error against wall time, log-log; all settings, resolutions of one setting joined."""
     measure = case.measures[0]
@@ -46,9 +51,8 @@ def error_chart(case: Case, rows: list[dict]) -> str:
     front = [r for r in shown if r.get("pareto")]
     if len(case.variants) == 1 and len(front) > 0:
         front.sort(key=lambda r: r["wall_s"])
-        plot.lines.append(Line("Pareto front", [r["wall_s"] for r in front], [scale * headline(r)["value"] for r in front],
-                               "steps lc rgb '#999999' lw 4 dt 1"))
-        plot.lines.insert(0, plot.lines.pop())
+        xs, ys = [r["wall_s"] for r in front], [scale * headline(r)["value"] for r in front]
+        plot.lines[:0] = [Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"), Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'")]
     targets = dict.fromkeys(measure.targets)
     plot.levels = [(scale * t, f"target {level}" if len(targets) > 1 else "target")
                    for t, level in zip(targets, LEVELS[1:]) if any(r["level"] == level for r in rows) or level == "10s"]
@@ -88,17 +92,20 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
             name = f"{title}{', ' + row['variant'] if row['variant'] else ''}"
             plot.lines.append(Line(name, *row["curve"],
                                    f"lines lw 1.6 lc rgb '{colour}' dt {DASHES[number % len(DASHES)]}"))
+    exact = [v for line in plot.lines if line.style.startswith(("points pt 6", "lines lc")) for v in line.y]
+    if exact:  # a run that goes astray is cut off, so that the others can be seen
+        room = max(max(exact) - min(exact), 1e-3 * max(map(abs, exact)), 1e-12)
+        plot.y_range = (min(exact) - room, max(exact) + room)
     return draw(plot) if with_curve else "", missing
 
 
 def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
     chart, missing = reference_chart(case, rows, references)
-    judged = [r for r in rows if any(m["target"] is not None for m in r["measures"])] or rows
-    finest = min(judged, key=lambda r: r["h"])
     pictures = [place.out / "runs" / r["id"] / "picture.png" for r in rows]
+    groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
-        "case": case, "rows": rows, "error_chart": error_chart(case, rows), "reference_chart": chart, "missing": missing,
-        "picture": next((t for t in map(thumbnail, pictures) if t), ""), "finest": finest,
+        "case": case, "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])), "error_chart": error_chart(case, rows), "reference_chart": chart, "missing": missing,
+        "picture": next((t for t in map(thumbnail, pictures) if t), ""),
         "times": times_to_targets(case, rows), "targets": list(dict.fromkeys(case.measures[0].targets)),
     }
 
@@ -123,13 +130,18 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
                 row = worst(mine, index)
                 met = sum(r["measures"][index]["verdict"] == "met" for r in mine)
                 measures.append({**row["measures"][index], "variant": row["variant"], "met": met, "of": len(mine)})
-            speeds = [r["particle_steps_per_s"] for r in mine if r.get("particle_steps_per_s")]
+            speeds = sorted(r["particle_steps_per_s"] for r in mine if r.get("particle_steps_per_s"))
             walls = [r["wall_s"] for r in mine if r["wall_s"]]
-            lines.append({"case": case, "method": method, "level": level, "h": mine[0]["h"], "measures": measures,
-                          "wall_s": max(walls) if walls else None, "runs": len(mine),
-                          "status": next((r["status"] for r in mine if r["status"] != "finished"), "finished"),
-                          "failed": sum(r["status"] != "finished" for r in mine),
-                          "speed": sorted(speeds)[len(speeds) // 2] if speeds else None})
+            failed = [r["status"] for r in mine if r["status"] != "finished"]
+            shown = worst(mine, 0)
+            everything = [r for r in rows if r["group"] == shown["group"]]
+            points = [(r["wall_s"], headline(r)["value"]) for r in points_of(everything)]
+            target = headline(shown)["target"]
+            lines.append({"case": case, "method": method, "h": shown["h"], "measures": measures, "order": shown.get("order"),
+                          "wall_s": max(walls, default=None), "runs": len(mine), "failed": len(failed), "status": next(iter(failed), ""),
+                          "to_target": time_to_reach(target, points) if target else None,
+                          "speed": speeds[len(speeds) // 2] if speeds else None,
+                          "first": not lines or lines[-1]["case"] is not case})
     return lines
 
 
@@ -142,7 +154,7 @@ def tally(rows: list[dict]) -> dict[str, int]:
 def write(place: Place, cases: list[Case], results: dict, references: list[Path], changes: dict | None) -> Path:
     environment = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True,
                               lstrip_blocks=True)
-    environment.filters |= {"figure": figure, "seconds": seconds}
+    environment.filters |= {"figure": figure, "seconds": seconds, "speed": speed}
     rows = results["rows"]
     sections = [case_section(place, case, [r for r in rows if r["case"] == case.id], references)
                 for case in cases if any(r["case"] == case.id for r in rows)]

@@ -11,7 +11,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from case import Job
+from case import Job, Refused
 
 PROGRAMS = ("ballast_coordinator", "fluid_server", "rigid_client")
 EXPECTED = {"coarse": 3.0, "10s": 10.0, "1min": 60.0, "10min": 600.0}  # s of wall time, for the time left
@@ -59,7 +59,7 @@ def effective_scene(place: Place, job: Job) -> str:
     words = [str(place.build / "bin" / PROGRAMS[0]), "resolve", *command(job)[1:]]
     result = subprocess.run(words, cwd=place.tree, capture_output=True, text=True)
     if result.returncode != 0:
-        raise SystemExit(f"ballast report: the scene of {job.id} is refused\n{result.stderr}  {shown_command(job)}")
+        raise Refused(f"the scene of {job.id} is refused\n{result.stderr}  {shown_command(job)}")
     return result.stdout
 
 

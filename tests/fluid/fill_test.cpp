@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "common/geometry/bodies.h"
 #include "fluid_server/step/wcsph.h"
 #include "tests/fluid/models.h"
@@ -49,6 +51,24 @@ TEST(Fill, OverlappingFluidsAreRefusedByName) {
   const auto result = filled(two(0.2));
   ASSERT_FALSE(result);
   EXPECT_NE(result.error().text().find("'right' overlaps"), std::string::npos) << result.error().text();
+}
+
+TEST(Fill, VorticesNeitherStretchNorEndAtABorder) {
+  Scene scene;
+  scene.world.spacing = 0.05;
+  Fluid water = box("water", 0, 1);
+  water.vortex_speed = 3;
+  water.vortex_wavelength = 0.5;
+  scene.fluids = {water};
+  const auto result = filled(scene);
+  ASSERT_TRUE(result) << result.error().text();
+  const Coordinates coordinates = Coordinates::make({{-1, -1, -1}, {2, 2, 2}}, {});
+  for (const Record& r : result->particles.record) {
+    const Vec3 p = coordinates.to_metres(r.x, r.y, r.z) * (2 * std::numbers::pi / 0.5);
+    EXPECT_NEAR(r.vx, -3 * std::cos(p[0]) * std::sin(p[2]), 1e-5);
+    EXPECT_EQ(r.vy, 0);
+    EXPECT_NEAR(r.vz, 3 * std::sin(p[0]) * std::cos(p[2]), 1e-5);
+  }
 }
 
 /// A box half under water between two channels, shifted by shares of a spacing against the lattice.

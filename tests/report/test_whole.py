@@ -87,7 +87,7 @@ class Report(unittest.TestCase):
 
     def test_an_unknown_case_is_refused_by_name(self):
         done = self.report("Z9", "--out", "a")
-        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual(done.returncode, 2)
         self.assertIn("Z9", done.stderr)
 
     def test_against_older_results_tells_better_from_worse(self):

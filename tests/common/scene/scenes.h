@@ -12,7 +12,7 @@ world: { gravity: [0, 0, -9.81], duration: 3 s, spacing: 2 cm, accuracy: accurat
 fluids:
   - { name: water, material: water, fill: { box: { min: [0, 0, 0], max: [0.6, 0.6, 30 spacings] } },
       velocity: [1, 0, 0], angular_velocity: [0, 0, 30 deg/s] }
-  - { name: oil, density: 900, viscosity: 0.1 Pa s, surface_tension: 30 mN/m,
+  - { name: oil, density: 900, viscosity: 0.1 Pa s, surface_tension: 30 mN/m, vortices: { speed: 0.5, wavelength: 2 m },
       fill: { level: { container: tank, z: 0.5 m } } }
 models:
   - { name: tank, static: true, shape: { open_box: { inside: [1.6, 0.6, 1.2], wall: 5 cm, lid: true } } }
