@@ -24,15 +24,29 @@ from runs import EXPECTED, Place, build_hash, finished, key_of, make
 
 def arguments(words: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="ballast report", description="Runs validation cases and shows their error against run time on one page.",
-        epilog="Finished runs of the same scene and the same programs are kept and not made again.")
-    parser.add_argument("cases", nargs="*", metavar="CASES", help="such as F1, 'R*' or B4/r0.01/wcsph/0.005; all by default")
-    parser.add_argument("--level", choices=LEVELS, default="10s", help="what a run may cost on two cores (default: 10s)")
-    parser.add_argument("--methods", nargs="+", choices=METHODS, metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default")
-    parser.add_argument("--references", type=Path, metavar="DIR", help="folder with tables that may not be carried along")
-    parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="results (default: out/report)")
+        prog="ballast report",
+        description="Runs validation cases and shows their error against run time on one page.",
+        epilog="Finished runs of the same scene and the same programs are kept and not made again.",
+    )
+    parser.add_argument(
+        "cases", nargs="*", metavar="CASES", help="such as F1, 'R*' or B4/r0.01/wcsph/0.005; all by default"
+    )
+    parser.add_argument(
+        "--level", choices=LEVELS, default="10s", help="what a run may cost on two cores (default: 10s)"
+    )
+    parser.add_argument(
+        "--methods", nargs="+", choices=METHODS, metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default"
+    )
+    parser.add_argument(
+        "--references", type=Path, metavar="DIR", help="folder with tables that may not be carried along"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/report"), metavar="DIR", help="results (default: out/report)"
+    )
     parser.add_argument("--against", type=Path, metavar="OLD", help="results.json, or its folder, to compare with")
-    parser.add_argument("--repeats", type=int, default=1, metavar="N", help="wall times as medians of N runs (default: 1)")
+    parser.add_argument(
+        "--repeats", type=int, default=1, metavar="N", help="wall times as medians of N runs (default: 1)"
+    )
     parser.add_argument("--again", action="store_true", help="make finished runs again")
     parser.add_argument("--list", action="store_true", help="print the runs and whether they are finished; make none")
     parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
@@ -43,7 +57,9 @@ def arguments(words: list[str]) -> argparse.Namespace:
 
 
 def fits(job: Job, patterns: list[str]) -> bool:
-    return not patterns or any(fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") for p in patterns)
+    return not patterns or any(
+        fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") for p in patterns
+    )
 
 
 def choose(chosen: argparse.Namespace) -> list[Job]:
@@ -60,12 +76,16 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
 
 def reference_folders(place: Place, given: Path | None) -> list[Path]:
     """The folder given, then where `ballast run` looks, too."""
-    return [*([given.resolve()] if given else []), place.tree / "tests/validation/reference", place.tree.parent / "shared/reference"]
+    return [
+        *([given.resolve()] if given else []),
+        place.tree / "tests/validation/reference",
+        place.tree.parent / "shared/reference",
+    ]
 
 
 def pictured(jobs: list[Job]) -> set[str]:
     """One run of each case draws a picture: the first of its finest resolution."""
-    out = {}
+    out: dict[str, Job] = {}
     for job in jobs:
         best = out.get(job.case.id)
         if best is None or job.h < best.h:
@@ -82,22 +102,62 @@ def write_results(place: Place, results: dict) -> None:
     (place.out / "results.json").write_text(json.dumps(results, indent=1))
     with (place.out / "results.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["run", "case", "variant", "method", "level", "resolution", "status", "measure", "unit", "value", "target",
-                        "verdict", "wall_s", "steps", "particles", "particle_steps_per_s", "command"])
+        table.writerow(
+            [
+                "run",
+                "case",
+                "variant",
+                "method",
+                "level",
+                "resolution",
+                "status",
+                "measure",
+                "unit",
+                "value",
+                "target",
+                "verdict",
+                "wall_s",
+                "steps",
+                "particles",
+                "particle_steps_per_s",
+                "command",
+            ]
+        )
         for r in results["rows"]:
             for m in r["measures"]:
-                table.writerow([r["id"], r["case"], r["variant"], r["method"], r["level"], r["h"], r["status"], m["name"],
-                                m["unit"], m["value"], m["target"], m["verdict"], r["wall_s"], r.get("steps"), r.get("particles"),
-                                r.get("particle_steps_per_s"), r["run"]])
+                table.writerow(
+                    [
+                        r["id"],
+                        r["case"],
+                        r["variant"],
+                        r["method"],
+                        r["level"],
+                        r["h"],
+                        r["status"],
+                        m["name"],
+                        m["unit"],
+                        m["value"],
+                        m["target"],
+                        m["verdict"],
+                        r["wall_s"],
+                        r.get("steps"),
+                        r.get("particles"),
+                        r.get("particle_steps_per_s"),
+                        r["run"],
+                    ]
+                )
 
 
 def describe(row: dict) -> str:
     """One line of text about a run."""
     if row["status"] != "finished":
         return f"{row['id']}: {row['status']}: {row['message']}"
-    figures = ", ".join(f"{m['name']} {page.figure(m['value'], m['unit'])}"
-                        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
-                        + (f" [{m['note']}]" if m["note"] else "") for m in row["measures"])
+    figures = ", ".join(
+        f"{m['name']} {page.figure(m['value'], m['unit'])}"
+        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
+        + (f" [{m['note']}]" if m["note"] else "")
+        for m in row["measures"]
+    )
     return f"{row['id']}: {figures}; {row['wall_s']:.2f} s"
 
 
@@ -109,14 +169,18 @@ def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, referen
     to_make = [job for job in jobs if notes[job.id] is None]
     with_picture = pictured(jobs)
     rows = []
-    with tqdm(total=sum(EXPECTED[job.level] * chosen.repeats for job in to_make), disable=not sys.stderr.isatty(),
-              bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left {postfix}") as bar:
+    with tqdm(
+        total=sum(EXPECTED[job.level] * chosen.repeats for job in to_make),
+        disable=not sys.stderr.isatty(),
+        bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left {postfix}",
+    ) as bar:
         for job in jobs:
-            if notes[job.id] is None:
+            note = notes[job.id]
+            if note is None:
                 bar.set_postfix_str(job.id)
-                notes[job.id] = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
+                note = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
                 bar.update(EXPECTED[job.level] * chosen.repeats)
-            rows.append(judge(place, job, notes[job.id], references))
+            rows.append(judge(place, job, note, references))
             if chosen.references:
                 rows[-1]["report"] += f" --references {shlex.quote(str(chosen.references))}"
             tqdm.write(describe(rows[-1]))
@@ -129,11 +193,17 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
 
     loads = [r["load"] for r in rows]
     return {
-        "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"), "level": chosen.level,
-        "machine": one("machine"), "version": one("version"), "threads": one("threads", [r for r in rows if r.get("particles")]), "commit": commit(place.tree),
-        "repeats": chosen.repeats, "load": [min(loads), max(loads)],
+        "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"),
+        "level": chosen.level,
+        "machine": one("machine"),
+        "version": one("version"),
+        "threads": one("threads", [r for r in rows if r.get("particles")]),
+        "commit": commit(place.tree),
+        "repeats": chosen.repeats,
+        "load": [min(loads), max(loads)],
         "wall_total": sum(w for r in rows for w in r["walls"]),
-        "command": shlex.join(["./launch/ballast", "report", *words]), "rows": rows,
+        "command": shlex.join(["./launch/ballast", "report", *words]),
+        "rows": rows,
     }
 
 
@@ -142,7 +212,7 @@ def main() -> int:
     chosen = arguments(words)
     place = Place(Path(__file__).resolve().parents[2], chosen.build.resolve(), chosen.out.resolve())
     at = words.index("--build")
-    words = words[:at] + words[at + 2:]
+    words = words[:at] + words[at + 2 :]
     old = compare.load(chosen.against) if chosen.against else None
     jobs = choose(chosen)
     if chosen.list:
@@ -170,8 +240,10 @@ def main() -> int:
         path = page.write(place, cases, results, references, changes)
     counts = page.tally(rows)
     failed = sum(r["status"] != "finished" for r in rows)
-    print(f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
-          f"{counts['reference not installed']} without reference\n{path}")
+    print(
+        f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
+        f"{counts['reference not installed']} without reference\n{path}"
+    )
     return 0
 
 

@@ -26,13 +26,16 @@ class Method:
     overrides: dict[str, str]
 
 
-METHODS = {m.name: m for m in (
-    Method("wcsph", {"numerics.pressure": "wcsph"}),
-    Method("implicit", {"numerics.pressure": "implicit"}),
-    Method("staggered", {"numerics.pressure": "wcsph", "coupling.scheme": "staggered"}),
-    Method("ode", {"coupling.engine": "ode"}),
-    Method("free_body", {"coupling.engine": "free_body"}),
-)}
+METHODS = {
+    m.name: m
+    for m in (
+        Method("wcsph", {"numerics.pressure": "wcsph"}),
+        Method("implicit", {"numerics.pressure": "implicit"}),
+        Method("staggered", {"numerics.pressure": "wcsph", "coupling.scheme": "staggered"}),
+        Method("ode", {"coupling.engine": "ode"}),
+        Method("free_body", {"coupling.engine": "free_body"}),
+    )
+}
 
 
 @dataclass(frozen=True)
@@ -103,7 +106,7 @@ class Chart:
 
     x: str
     y: str
-    run: Callable[[Outcome], tuple[Array, Array]]
+    run: Callable[[Outcome], tuple[Array, Array] | tuple[float, float]]
     reference: Callable[[Variant, list[Path]], tuple[Array, Array]] | None = None
     reference_name: str = "exact"
     joined: bool = False
@@ -154,14 +157,22 @@ class Job:
         return "/".join(x for x in (self.case.id, self.variant.name, self.method) if x)
 
     def overrides(self) -> dict[str, str]:
-        return {self.case.knob: f"{self.h:g}", **self.case.overrides, **METHODS[self.method].overrides,
-                **self.variant.overrides}
+        return {
+            self.case.knob: f"{self.h:g}",
+            **self.case.overrides,
+            **METHODS[self.method].overrides,
+            **self.variant.overrides,
+        }
 
 
 def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
     """The runs of a case up to a level, cheap ones first."""
     allowed = LEVELS[: LEVELS.index(upto) + 1]
-    return [Job(case, variant, method, level, h)
-            for level, h in case.resolutions if level in allowed
-            for method in case.methods if methods is None or method in methods
-            for variant in case.variants]
+    return [
+        Job(case, variant, method, level, h)
+        for level, h in case.resolutions
+        if level in allowed
+        for method in case.methods
+        if methods is None or method in methods
+        for variant in case.variants
+    ]

@@ -1,5 +1,7 @@
 """Cases of bodies that only the fluid drives, with an exact answer."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from case import Case, Chart, Measure, Outcome, Variant
@@ -9,12 +11,14 @@ from references import added_mass, released
 G = 9.81  # m/s^2, as in the scenes
 
 
-def drift(column: str, start: float) -> callable:
+def drift(column: str, start: float) -> Callable[[Outcome], float]:
     return lambda run: float(np.max(np.abs(run.values(column) - start)))
 
 
 FLOATING_BOX = Case(
-    id="B1", title="Floating box: draft, drift, noise", scene="floating_box",
+    id="B1",
+    title="Floating box: draft, drift, noise",
+    scene="floating_box",
     about="A box of 1 x 0.5 m and half the water's density floats in 2-D, set in at its exact draft, for 10 s.",
     source="Archimedes",
     resolutions=(("coarse", 0.1), ("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
@@ -25,8 +29,13 @@ FLOATING_BOX = Case(
         Measure("largest tilt", "deg", lambda r: float(np.degrees(2 * np.max(np.abs(r.values("box.qy"))))), (1,)),
     ),
     methods=("wcsph", "implicit", "staggered"),
-    chart=Chart("t (s)", "height of the centre (m)", lambda r: r.series("box.z"),
-                lambda v, f: (np.array([0, 10]), np.array([1, 1])), "Archimedes"),
+    chart=Chart(
+        "t (s)",
+        "height of the centre (m)",
+        lambda r: r.series("box.z"),
+        lambda v, f: (np.array([0, 10]), np.array([1, 1])),
+        "Archimedes",
+    ),
 )
 
 RATIOS = (0.01, 0.1, 0.5, 0.9, 1.1, 2, 8)  # of the body's density to the fluid's
@@ -37,33 +46,58 @@ def first_acceleration(run: Outcome) -> float:
     return -slope(*run.series("body.vz", 2e-3, 20e-3)) / G
 
 
-def release(shape: str, scene: str, case: str, title: str, resolutions: tuple, duration: str,
-            methods: tuple) -> Case:
+def release(shape: str, scene: str, case: str, title: str, resolutions: tuple, duration: str, methods: tuple) -> Case:
     coefficient = added_mass(shape, 2)
     ratios = np.geomspace(RATIOS[0], RATIOS[-1], 200)
     return Case(
-        id=case, title=title, scene=scene,
+        id=case,
+        title=title,
+        scene=scene,
         about=f"A {shape} let go in a concentric container twice as wide, full of water, at density ratios {RATIOS[0]:g} to "
-              f"{RATIOS[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with -99 g.",
+        f"{RATIOS[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with -99 g.",
         source="Lamb, Hydrodynamics, art. 93",
         resolutions=resolutions,
-        measures=(Measure("first acceleration", "%", lambda r: relative(first_acceleration(r), released(r["ratio"], coefficient)),
-                          (0.08, 0.04, 0.02)),),
+        measures=(
+            Measure(
+                "first acceleration",
+                "%",
+                lambda r: relative(first_acceleration(r), float(released(np.array(r["ratio"]), coefficient))),
+                (0.08, 0.04, 0.02),
+            ),
+        ),
         methods=methods,
         variants=tuple(Variant(f"r{r:g}", {"models.body.density": f"{1000 * r:g}"}, {"ratio": r}) for r in RATIOS),
         overrides={"world.duration": duration},
-        chart=Chart("density of the body / of the fluid", "first acceleration downwards / g",
-                    lambda r: (r["ratio"], first_acceleration(r)),
-                    lambda v, f: (ratios, released(ratios, coefficient)), "Lamb, art. 93", joined=True, log_x=True),
+        chart=Chart(
+            "density of the body / of the fluid",
+            "first acceleration downwards / g",
+            lambda r: (r["ratio"], first_acceleration(r)),
+            lambda v, f: (ratios, released(ratios, coefficient)),
+            "Lamb, art. 93",
+            joined=True,
+            log_x=True,
+        ),
     )
 
 
-RELEASE_2D = release("cylinder", "added_mass_2d", "B4", "Release from rest in 2-D: added mass",
-                     (("coarse", 0.02), ("coarse", 0.01), ("10s", 0.005), ("1min", 0.0025)), "22 ms",
-                     ("wcsph", "implicit", "staggered"))
-RELEASE_3D = release("sphere", "added_mass_3d", "B4s", "Release from rest in 3-D: added mass",
-                     (("coarse", 0.025), ("coarse", 0.02), ("10s", 0.0125), ("1min", 0.01), ("10min", 0.005)), "22 ms",
-                     ("wcsph", "implicit"))
+RELEASE_2D = release(
+    "cylinder",
+    "added_mass_2d",
+    "B4",
+    "Release from rest in 2-D: added mass",
+    (("coarse", 0.02), ("coarse", 0.01), ("10s", 0.005), ("1min", 0.0025)),
+    "22 ms",
+    ("wcsph", "implicit", "staggered"),
+)
+RELEASE_3D = release(
+    "sphere",
+    "added_mass_3d",
+    "B4s",
+    "Release from rest in 3-D: added mass",
+    (("coarse", 0.025), ("coarse", 0.02), ("10s", 0.0125), ("1min", 0.01), ("10min", 0.005)),
+    "22 ms",
+    ("wcsph", "implicit"),
+)
 
 
 def way(run: Outcome) -> float:
@@ -72,13 +106,20 @@ def way(run: Outcome) -> float:
 
 
 NEUTRAL = Case(
-    id="B10", title="Neutral buoyancy: drift", scene="neutral",
+    id="B10",
+    title="Neutral buoyancy: drift",
+    scene="neutral",
     about="A disc of the water's own density, 0.2 m wide, at rest in mid-depth for 10 s. It stays.",
     source="no motion",
     resolutions=(("coarse", 0.05), ("coarse", 0.025), ("10s", 0.0125), ("1min", 0.00625)),
     measures=(Measure("largest way / diameter", "%", lambda r: way(r) / 0.2, (0.01, 0.003, 0.001)),),
-    chart=Chart("t (s)", "height of the centre (m)", lambda r: r.series("disc.z"),
-                lambda v, f: (np.array([0, 10]), np.array([0.5, 0.5])), "no motion"),
+    chart=Chart(
+        "t (s)",
+        "height of the centre (m)",
+        lambda r: r.series("disc.z"),
+        lambda v, f: (np.array([0, 10]), np.array([0.5, 0.5])),
+        "no motion",
+    ),
 )
 
 
@@ -88,7 +129,9 @@ def momentum_drift(run: Outcome) -> float:
 
 
 CLOSED_BOX = Case(
-    id="B11", title="Closed system: momentum", scene="closed_box",
+    id="B11",
+    title="Closed system: momentum",
+    scene="closed_box",
     about="A periodic box without gravity, water and three bodies, two of them joined: more than 10,000 steps.",
     source="conservation; single precision in the fluid",
     resolutions=(("coarse", 0.08), ("10s", 0.05)),

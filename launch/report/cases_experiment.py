@@ -22,8 +22,10 @@ def deviation(run: Outcome, of: str, table: str, column: str, until: float) -> f
     return rms(resample(simulated[0] - LIFT, simulated[1], t) - y)
 
 
-ABOUT = ("Flume 8 x 0.7 x 0.7 m, water 0.4 m deep behind a gate that is lifted after 1 s in which nothing may move; cubes of "
-         "0.15 m and 800 kg/m^3, near face 1.7 m downstream. Friction 0.3, not in the data.")
+ABOUT = (
+    "Flume 8 x 0.7 x 0.7 m, water 0.4 m deep behind a gate that is lifted after 1 s in which nothing may move; cubes of "
+    "0.15 m and 800 kg/m^3, near face 1.7 m downstream. Friction 0.3, not in the data."
+)
 SOURCE = "R.B. Canelas et al., Comput. Phys. Commun. 202 (2016) 131-140, digitised; nothing below 0.01 m is meaningful"
 LEVELS = (("coarse", 0.05), ("10s", 0.0375), ("1min", 0.03), ("10min", 0.02))
 ONE = "dambreak_one_cube_canelas_2016_exp_x.csv"
@@ -35,28 +37,56 @@ def still(column: str, start: float):
 
 
 ONE_CUBE = Case(
-    id="X1a", title="Dam break on one cube", scene="one_cube", about=ABOUT, source=SOURCE, resolutions=LEVELS,
+    id="X1a",
+    title="Dam break on one cube",
+    scene="one_cube",
+    about=ABOUT,
+    source=SOURCE,
+    resolutions=LEVELS,
     measures=(
         Measure("track x, rms", "m", lambda r: deviation(r, "cube.x", ONE, "x_m", 1.55), (0.10, 0.06, 0.04)),
         Measure("way before the gate is lifted", "m", still("cube.x", 1.775), (1e-3,)),
     ),
-    chart=Chart("t from the lift of the gate (s)", "x of the cube (m)",
-                lambda r: (r.series("cube.x")[0] - LIFT, r.values("cube.x")),
-                lambda v, f: track(ONE, "x_m", f), "Canelas et al. 2016", points=True),
+    chart=Chart(
+        "t from the lift of the gate (s)",
+        "x of the cube (m)",
+        lambda r: (r.series("cube.x")[0] - LIFT, r.values("cube.x")),
+        lambda v, f: track(ONE, "x_m", f),
+        "Canelas et al. 2016",
+        points=True,
+    ),
 )
 
 THREE_CUBES = Case(
-    id="X1b", title="Dam break on a column of three cubes", scene="three_cubes", about=ABOUT, source=SOURCE, resolutions=LEVELS,
+    id="X1b",
+    title="Dam break on a column of three cubes",
+    scene="three_cubes",
+    about=ABOUT,
+    source=SOURCE,
+    resolutions=LEVELS,
     measures=(
-        Measure("track x of the top cube, rms", "m",
-                lambda r: deviation(r, "top.x", THREE.format("x"), "x_m", 1.7), (0.06, 0.03, 0.015)),
-        Measure("track z of the top cube, rms", "m",
-                lambda r: deviation(r, "top.z", THREE.format("z"), "z_m", 1.7), (0.06, 0.035, 0.022)),
+        Measure(
+            "track x of the top cube, rms",
+            "m",
+            lambda r: deviation(r, "top.x", THREE.format("x"), "x_m", 1.7),
+            (0.06, 0.03, 0.015),
+        ),
+        Measure(
+            "track z of the top cube, rms",
+            "m",
+            lambda r: deviation(r, "top.z", THREE.format("z"), "z_m", 1.7),
+            (0.06, 0.035, 0.022),
+        ),
         Measure("way before the gate is lifted", "m", still("top.x", 1.775), (1e-3,)),
     ),
-    chart=Chart("t from the lift of the gate (s)", "x of the top cube (m)",
-                lambda r: (r.series("top.x")[0] - LIFT, r.values("top.x")),
-                lambda v, f: track(THREE.format("x"), "x_m", f), "Canelas et al. 2016", points=True),
+    chart=Chart(
+        "t from the lift of the gate (s)",
+        "x of the top cube (m)",
+        lambda r: (r.series("top.x")[0] - LIFT, r.values("top.x")),
+        lambda v, f: track(THREE.format("x"), "x_m", f),
+        "Canelas et al. 2016",
+        points=True,
+    ),
 )
 
 CASES = (ONE_CUBE, THREE_CUBES)

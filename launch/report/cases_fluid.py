@@ -16,7 +16,9 @@ def rms_speed(run: Outcome) -> float:
 
 
 HYDROSTATIC = Case(
-    id="F1", title="Still water in a tank", scene="hydrostatic",
+    id="F1",
+    title="Still water in a tank",
+    scene="hydrostatic",
     about="A tank of 1 x 1 m in 2-D, full of water at rest, for 5 s. Pressure is rho g (H - z), the walls carry the weight.",
     source="hydrostatics",
     resolutions=(("coarse", 0.1), ("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125), ("10min", 0.00625)),
@@ -29,7 +31,9 @@ HYDROSTATIC = Case(
     chart=Chart("t (s)", "L2 error of pressure / rho g H", lambda r: r.series("pressure_error")),
 )
 
-FRONT_AT = np.array([1.1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.25, 4.5])  # over the column's width
+FRONT_AT = np.array(
+    [1.1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.25, 4.5]
+)  # over the column's width
 WIDTH = 0.3  # m
 
 
@@ -58,14 +62,18 @@ def front_error(run: Outcome) -> float:
 
 
 DAM_BREAK = Case(
-    id="X2", title="Dam break: the surge front", scene="report/dam_break_front",
+    id="X2",
+    title="Dam break: the surge front",
+    scene="report/dam_break_front",
     about="A column of water 0.3 m wide and 0.6 m high collapses in 2-D; where its front is, from the times at which 15 "
-          "probes along the bed get wet. One time shift of at most 0.1 in t* is allowed.",
+    "probes along the bed get wet. One time shift of at most 0.1 in t* is allowed.",
     source="J.C. Martin and W.J. Moyce, Phil. Trans. R. Soc. Lond. A 244 (1952) 312-324; in every inviscid code the "
-           "front runs ahead of the experiment (bed friction, gate)",
+    "front runs ahead of the experiment (bed friction, gate)",
     resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
     measures=(Measure("front, NRMSE after the shift", "%", front_error, (0.05, 0.03, 0.02)),),
-    chart=Chart("t sqrt(2 g / a)", "front / a", front, lambda v, f: martin_moyce(), "Martin and Moyce 1952", points=True),
+    chart=Chart(
+        "t sqrt(2 g / a)", "front / a", front, lambda v, f: martin_moyce(), "Martin and Moyce 1952", points=True
+    ),
 )
 
 # F2
@@ -96,13 +104,17 @@ def mean_speed(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
     """rms over the 16 places, over its exact value at the start."""
     t = run.series("p00.vx")[0]
     squares = sum(np.square(run.values(f"{n}.v{c}")) for n in SPOTS for c in "xz")
-    start = sum((np.cos(2 * np.pi * x) * np.sin(2 * np.pi * z)) ** 2 + (np.sin(2 * np.pi * x) * np.cos(2 * np.pi * z)) ** 2
-                for x, z in SPOTS.values())
+    start = sum(
+        (np.cos(2 * np.pi * x) * np.sin(2 * np.pi * z)) ** 2 + (np.sin(2 * np.pi * x) * np.cos(2 * np.pi * z)) ** 2
+        for x, z in SPOTS.values()
+    )
     return t, np.sqrt(squares / start)
 
 
 TAYLOR_GREEN = Case(
-    id="F2", title="Taylor-Green vortices", scene="report/taylor_green",
+    id="F2",
+    title="Taylor-Green vortices",
+    scene="report/taylor_green",
     about="Four vortices in a periodic square of 1 m, 1 m/s, Reynolds number 100, from a square lattice, for 2 s.",
     source="speed fades with exp(-8 pi^2 nu t)",
     resolutions=(("coarse", 1 / 16), ("coarse", 1 / 32), ("10s", 1 / 64), ("1min", 1 / 128)),
@@ -110,8 +122,13 @@ TAYLOR_GREEN = Case(
         Measure("velocity at 1 s, L1", "%", vortex_error, (0.06, 0.03, 0.015)),
         Measure("rms speed after 2 s", "%", speed_left, (0.10, 0.04, 0.02)),
     ),
-    chart=Chart("t (s)", "rms speed / at the start", mean_speed,
-                lambda v, f: ((t := np.linspace(0, 2, 100)), np.exp(-RATE * t)), "exp(-8 pi^2 nu t)"),
+    chart=Chart(
+        "t (s)",
+        "rms speed / at the start",
+        mean_speed,
+        lambda v, f: ((t := np.linspace(0, 2, 100)), np.exp(-RATE * t)),
+        "exp(-8 pi^2 nu t)",
+    ),
 )
 
 # F3: gap, viscosity and force per mass are 1 in the scene
@@ -122,30 +139,45 @@ PLATE_SPEED = 0.1  # m/s, of the upper plane in the Couette flow
 
 
 def channel_exact(couette: float, z: float, times: np.ndarray) -> np.ndarray:
-    return np.array([channel_startup(np.array([z]), t)[int(couette)][0] for t in times]) * (PLATE_SPEED if couette else 1)
+    return np.array([channel_startup(np.array([z]), t)[int(couette)][0] for t in times]) * (
+        PLATE_SPEED if couette else 1
+    )
 
 
 def channel_error(run: Outcome) -> float:
     """rms over five heights and seven times, over the largest speed."""
-    off = [resample(*run.series(f"{name}.vx"), TIMES) - channel_exact(run["couette"], z, TIMES) for name, z in HEIGHTS.items()]
+    off = [
+        resample(*run.series(f"{name}.vx"), TIMES) - channel_exact(run["couette"], z, TIMES)
+        for name, z in HEIGHTS.items()
+    ]
     return rms(np.concatenate(off)) / (PLATE_SPEED if run["couette"] else 1 / 8)
 
 
 FINE = np.linspace(0, 1, 101)
 CHANNEL = Case(
-    id="F3", title="Start-up of channel flow", scene="report/channel",
+    id="F3",
+    title="Start-up of channel flow",
+    scene="report/channel",
     about="A viscous fluid between two planes is set in motion by a body force (Poiseuille) or by the upper plane (Couette); speed at five "
-          "heights and seven times. The walls are at their true place.",
+    "heights and seven times. The walls are at their true place.",
     source="Fourier series of J.P. Morris, P.J. Fox, Y. Zhu, J. Comput. Phys. 136 (1997) 214-226",
     resolutions=(("coarse", 0.1), ("coarse", 0.0625), ("10s", 0.03125), ("1min", 0.015625)),
     measures=(Measure("speed, rms over the largest", "%", channel_error, (0.01, 0.003, 0.001)),),
     variants=(
         Variant("poiseuille", {}, {"couette": 0}),
-        Variant("couette", {"world.gravity": "[0, 0, 0]", "models.ceiling.prescribed": f"{{ velocity: [{PLATE_SPEED}, 0, 0] }}"},
-                {"couette": 1}),
+        Variant(
+            "couette",
+            {"world.gravity": "[0, 0, 0]", "models.ceiling.prescribed": f"{{ velocity: [{PLATE_SPEED}, 0, 0] }}"},
+            {"couette": 1},
+        ),
     ),
-    chart=Chart("t nu / L^2", "speed at z / L = 0.5 (m/s)", lambda r: (r.series("c.vx")[0], r.values("c.vx")),
-                lambda v, f: (FINE, channel_exact(v.values["couette"], 0.5, FINE)), "Fourier series"),
+    chart=Chart(
+        "t nu / L^2",
+        "speed at z / L = 0.5 (m/s)",
+        lambda r: (r.series("c.vx")[0], r.values("c.vx")),
+        lambda v, f: (FINE, channel_exact(v.values["couette"], 0.5, FINE)),
+        "Fourier series",
+    ),
 )
 
 # F4
@@ -169,17 +201,24 @@ def amplitude_lost(run: Outcome) -> float:
 
 
 STANDING_WAVE = Case(
-    id="F4", title="Standing wave", scene="report/standing_wave",
+    id="F4",
+    title="Standing wave",
+    scene="report/standing_wave",
     about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of the "
-          "height of its middle is lost from the first extreme to the ninth, four periods later.",
+    "height of its middle is lost from the first extreme to the ninth, four periods later.",
     source="omega^2 = g k tanh(k H), period longer by (k A)^2 / 8",
     resolutions=(("coarse", 0.08), ("10s", 0.04), ("1min", 0.02), ("10min", 0.01)),
     measures=(
         Measure("period", "%", lambda r: relative(period(*wave(r), count=8), WAVE), (0.02, 0.01, 0.005)),
         Measure("amplitude lost", "%", amplitude_lost, (0.2, 0.1, 0.05)),
     ),
-    chart=Chart("t (s)", "height of the middle / amplitude", wave,
-                lambda v, f: ((t := np.linspace(0, 6, 300)), -np.cos(2 * np.pi * t / WAVE)), "first order, lengthened"),
+    chart=Chart(
+        "t (s)",
+        "height of the middle / amplitude",
+        wave,
+        lambda v, f: ((t := np.linspace(0, 6, 300)), -np.cos(2 * np.pi * t / WAVE)),
+        "first order, lengthened",
+    ),
 )
 
 CASES = (HYDROSTATIC, TAYLOR_GREEN, CHANNEL, STANDING_WAVE, DAM_BREAK)

@@ -1,4 +1,4 @@
-"""Cases of bodies alone: the same engine adapter and the same command, without a fluid process."""
+"""Bodies alone, free or on joints: the same engine adapter and the same command, without a fluid process."""
 
 import functools
 import math
@@ -23,9 +23,11 @@ def vectors(run: Outcome, body: str, of: str) -> Array:
 def rotations(run: Outcome, body: str) -> Array:
     """A rotation matrix a row, body to world."""
     w, x, y, z = (run.values(f"{body}.q{c}") for c in "wxyz")
-    rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
     return np.moveaxis(np.array(rows), 2, 0)
 
 
@@ -50,6 +52,7 @@ def largest(difference: Array) -> float:
 
 # R1 and R2
 
+
 def off_the_parabola(run: Outcome) -> float:
     """Largest distance from the exact path, m."""
     t = run.series("body.x")[0][:, None]
@@ -58,19 +61,36 @@ def off_the_parabola(run: Outcome) -> float:
 
 
 FLIGHT = Case(
-    id="R1", title="Free flight", scene="report/free_flight",
-    about="A box flies at 1 m/s and turns about a principal axis at 1 rad/s for 10 s. Tables have nine digits.", source="x = v t",
-    knob=STEP, resolutions=STEPS, methods=("ode", "free_body"), variants=(Variant("", {}, {"vx": 1, "vz": 0, "g": 0}),),
+    id="R1",
+    title="Free flight",
+    scene="report/free_flight",
+    about="A box flies at 1 m/s and turns about a principal axis at 1 rad/s for 10 s. Tables have nine digits.",
+    source="x = v t",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode", "free_body"),
+    variants=(Variant("", {}, {"vx": 1, "vz": 0, "g": 0}),),
     measures=(Measure("distance from the line / way", "", lambda r: off_the_parabola(r) / 10, (1e-9,)),),
 )
 PROJECTILE = Case(
-    id="R2", title="Projectile", scene="report/free_flight",
-    about="The box thrown with (3, 4) m/s, for 1 s. A first-order step of 1 ms would err by 4.9 mm.", source="parabola",
-    knob=STEP, resolutions=STEPS, methods=("ode", "free_body"), variants=(Variant("", {}, {"vx": 3, "vz": 4, "g": G}),),
+    id="R2",
+    title="Projectile",
+    scene="report/free_flight",
+    about="The box thrown with (3, 4) m/s, for 1 s. A first-order step of 1 ms would err by 4.9 mm.",
+    source="parabola",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode", "free_body"),
+    variants=(Variant("", {}, {"vx": 3, "vz": 4, "g": G}),),
     overrides={"world.gravity": "[0, 0, -9.81]", "world.duration": "1", "models.body.velocity": "[3, 0, 4]"},
     measures=(Measure("distance from the parabola", "m", off_the_parabola, (1e-6,)),),
-    chart=Chart("x (m)", "z (m)", lambda r: (r.values("body.x"), r.values("body.z")),
-                lambda v, f: ((t := np.linspace(0, 1, 50)) * 3, 4 * t - G * t**2 / 2), "parabola"),
+    chart=Chart(
+        "x (m)",
+        "z (m)",
+        lambda r: (r.values("body.x"), r.values("body.z")),
+        lambda v, f: ((t := np.linspace(0, 1, 50)) * 3, 4 * t - G * t**2 / 2),
+        "parabola",
+    ),
 )
 
 # R3
@@ -99,25 +119,39 @@ def turning_energy(run: Outcome) -> Array:
 
 
 TUMBLING = Case(
-    id="R3", title="Turning about the middle axis", scene="report/free_flight",
+    id="R3",
+    title="Turning about the middle axis",
+    scene="report/free_flight",
     about="A box turns about its middle axis and flips over again and again (Dzhanibekov), for 100 s.",
     source="Euler's equations, Runge-Kutta of fourth order at a step whose error is below 1e-9",
-    knob=STEP, resolutions=STEPS, methods=("ode", "free_body"),
-    overrides={"world.duration": "100", "models.body.velocity": "[0, 0, 0]",
-               "models.body.angular_velocity": f"[{SPIN[0]}, {SPIN[1]}, {SPIN[2]}]"},
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode", "free_body"),
+    overrides={
+        "world.duration": "100",
+        "models.body.velocity": "[0, 0, 0]",
+        "models.body.angular_velocity": f"[{SPIN[0]}, {SPIN[1]}, {SPIN[2]}]",
+    },
     measures=(
         Measure("time of the first flip", "s", lambda r: flip(r, 1), (0.1,)),
         Measure("time of the fifth flip", "s", lambda r: flip(r, 5), (1.0,)),
         Measure("energy drift", "%", lambda r: largest(turning_energy(r) / turning_energy(r)[0] - 1), (1e-3,)),
     ),
-    chart=Chart("t (s)", "spin about the middle axis (rad/s)",
-                lambda r: (r.series("body.wx")[0], spin_in_body(r, "body")[:, 1]), lambda v, f: exact_spin(), "Euler's equations"),
+    chart=Chart(
+        "t (s)",
+        "spin about the middle axis (rad/s)",
+        lambda r: (r.series("body.wx")[0], spin_in_body(r, "body")[:, 1]),
+        lambda v, f: exact_spin(),
+        "Euler's equations",
+    ),
 )
 
 # R4
 
 ROD = (1.5, 0.02)  # m, length and thickness
-SMALL = 2 * math.pi * math.sqrt(((ROD[0]**2 + ROD[1]**2) / 12 + ROD[0]**2 / 4) / (G * ROD[0] / 2))  # s, of small swings
+SMALL = (
+    2 * math.pi * math.sqrt(((ROD[0] ** 2 + ROD[1] ** 2) / 12 + ROD[0] ** 2 / 4) / (G * ROD[0] / 2))
+)  # s, of small swings
 
 
 def rod_pose(degrees: float) -> str:
@@ -146,155 +180,35 @@ def hinge_gap(run: Outcome) -> float:
 
 ANGLES = np.arange(1.0, 160)  # degrees
 PENDULUM = Case(
-    id="R4", title="Pendulum", scene="report/pendulum",
-    about="A rod of 1.5 m on a hinge, let go at 5 to 150 degrees, for 12 s.", source="complete elliptic integral",
-    knob=STEP, resolutions=STEPS, methods=("ode",),
-    variants=tuple(Variant(f"{a}deg", {"models.rod.pose": rod_pose(a)}, {"angle": a}) for a in (5, 30, 60, 90, 120, 150)),
+    id="R4",
+    title="Pendulum",
+    scene="report/pendulum",
+    about="A rod of 1.5 m on a hinge, let go at 5 to 150 degrees, for 12 s.",
+    source="complete elliptic integral",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    variants=tuple(
+        Variant(f"{a}deg", {"models.rod.pose": rod_pose(a)}, {"angle": a}) for a in (5, 30, 60, 90, 120, 150)
+    ),
     measures=(
-        Measure("period", "%", lambda r: relative(period(*swings(r)), pendulum_period(SMALL, math.radians(r["angle"]))), (1e-3,)),
+        Measure(
+            "period",
+            "%",
+            lambda r: relative(period(*swings(r)), pendulum_period(SMALL, math.radians(r["angle"]))),
+            (1e-3,),
+        ),
         Measure("amplitude lost per period", "%", amplitude_loss, (1e-3,)),
         Measure("gap of the hinge / length", "", hinge_gap, (1e-4,)),
     ),
-    chart=Chart("angle (deg)", "period (s)", lambda r: (r["angle"], period(*swings(r))),
-                lambda v, f: (ANGLES, np.array([pendulum_period(SMALL, math.radians(a)) for a in ANGLES])), joined=True),
-)
-
-# R6 and R7: gravity is tilted, planes are level
-
-
-def tilted(degrees: float) -> str:
-    return f"[{G * math.sin(math.radians(degrees)):.10g}, 0, {-G * math.cos(math.radians(degrees)):.10g}]"
-
-
-def downhill(degrees: float, mu: float) -> float:
-    """Acceleration of a block that slides, m/s^2."""
-    return G * (math.sin(math.radians(degrees)) - mu * math.cos(math.radians(degrees)))
-
-
-def way(run: Outcome, body: str) -> float:
-    x = run.values(f"{body}.x")
-    return float(x[-1] - x[0])
-
-
-SLIDING = Case(
-    id="R6", title="Sliding block", scene="report/slide",
-    about="A block at 2 m/s on a level plane, friction 0.3, stops after v^2 / (2 mu g); on an incline of 30 degrees, friction 0.2, it "
-          "goes a t^2 / 2 in 2 s.", source="Coulomb", knob=STEP, resolutions=STEPS, methods=("ode",),
-    variants=(
-        Variant("level", {}, {"exact": 4 / (2 * 0.3 * G)}),
-        Variant("incline", {"world.gravity": tilted(30), "models.block.velocity": "[0, 0, 0]", "models.block.friction": "0.2",
-                            "models.floor.friction": "0.2"}, {"exact": downhill(30, 0.2) * 2}),
-    ),
-    measures=(Measure("way", "%", lambda r: relative(way(r, "block"), r["exact"]), (0.005,)),),
-)
-RESTING = Case(
-    id="R6r", title="Resting on an incline", scene="report/slide",
-    about="The block at rest on an incline of 10 degrees, friction 0.3, for 10 s: it stays.", source="no motion", knob=STEP,
-    resolutions=STEPS, methods=("ode",),
-    overrides={"world.gravity": tilted(10), "models.block.velocity": "[0, 0, 0]", "world.duration": "10"},
-    measures=(Measure("creep", "m", lambda r: largest(r.values("block.x")), (1e-4,)),),
-)
-CYLINDER = {"models.ball.shape": "{ cylinder: { radius: 0.1, length: 0.2 } }", "models.ball.pose": "[0, 0, 0.1, 1.5707963267948966, 0, 0]"}
-SLIPPERY = {"models.ball.friction": "0.1", "models.floor.friction": "0.1"}
-ROLLING = Case(
-    id="R7", title="Rolling and slipping", scene="report/roll",
-    about="Down an incline of 30 degrees for 1 s: a sphere rolls at 5/7, a cylinder at 2/3 of g sin, with friction 0.1 both slip.",
-    source="rigid-body dynamics", knob=STEP, resolutions=STEPS, methods=("ode",),
-    variants=(
-        Variant("sphere", {}, {"exact": 5 / 7 * G * 0.5 / 2}), Variant("cylinder", CYLINDER, {"exact": 2 / 3 * G * 0.5 / 2}),
-        Variant("sphere-slips", SLIPPERY, {"exact": downhill(30, 0.1) / 2}),
-        Variant("cylinder-slips", CYLINDER | SLIPPERY, {"exact": downhill(30, 0.1) / 2}),
-    ),
-    measures=(Measure("way", "%", lambda r: relative(way(r, "ball"), r["exact"]), (0.01,)),),
-)
-
-# R8 and R9
-
-
-def first_apex(run: Outcome) -> float:
-    """Height of the first rebound, m: the largest after the speed has first turned upwards."""
-    upwards = np.nonzero(run.values("ball.vz") > 0)[0]
-    if upwards.size == 0:
-        raise NoFigure("the ball never rises")
-    return float(np.max(run.values("ball.z")[upwards[0]:])) - 0.1
-
-
-BOUNCING = Case(
-    id="R8", title="Bouncing ball", scene="report/bounce",
-    about="A ball dropped from 1 m on a floor, restitution 0.1 to 1: the first rebound rises to e^2 m.", source="Newton",
-    knob=STEP, resolutions=STEPS, methods=("ode",),
-    variants=tuple(Variant(f"e{e:g}", {"models.ball.restitution": f"{e:g}", "models.floor.restitution": f"{e:g}"}, {"e": e})
-                   for e in (0.1, 0.5, 0.9, 1)),
-    measures=(
-        Measure("apex", "%", lambda r: relative(first_apex(r), r["e"] ** 2), (0.01,)),
-        Measure("height gained ever", "%", lambda r: max(0.0, float(np.max(r.values("ball.z"))) - 1.1), (1e-6,)),
+    chart=Chart(
+        "angle (deg)",
+        "period (s)",
+        lambda r: (r["angle"], period(*swings(r))),
+        lambda v, f: (ANGLES, np.array([pendulum_period(SMALL, math.radians(a)) for a in ANGLES])),
+        joined=True,
     ),
 )
-
-
-def after_collision(run: Outcome) -> float:
-    """Largest deviation of the two speeds from Newton's law, over the first speed."""
-    m, e = run["m"], run["e"]
-    exact = np.array([(1 - e * m) / (1 + m), (1 + e) / (1 + m)])  # masses 1 and m, speeds 1 and 0
-    return largest(np.array([run.values("a.vx")[-1], run.values("b.vx")[-1]]) - exact)
-
-
-COLLISION = Case(
-    id="R9", title="Head-on collisions", scene="report/collision",
-    about="A ball at 1 m/s hits one at rest, masses 1 : 1, 10 and 1000, restitution 0, 0.5 and 1.", source="Newton",
-    knob=STEP, resolutions=STEPS[2:], methods=("ode",),
-    variants=tuple(Variant(f"m{m}-e{e:g}", {"models.b.mass": f"{m}", "models.a.restitution": f"{e:g}", "models.b.restitution": f"{e:g}"},
-                           {"m": m, "e": e}) for m in (1, 10, 1000) for e in (0, 0.5, 1)),
-    measures=(
-        Measure("speeds after it", "%", after_collision, (1e-3,)),
-        Measure("momentum", "", lambda r: abs(r.values("a.vx")[-1] + r["m"] * r.values("b.vx")[-1] - 1), (1e-8,)),
-    ),
-)
-
-# R11 and R12
-
-
-def pitch(run: Outcome, body: str) -> Array:
-    return 2 * np.arctan2(run.values(f"{body}.qy"), run.values(f"{body}.qw"))
-
-
-def tipping_error(run: Outcome) -> float:
-    """Tilt of the slab when the box has turned by 0.2 degrees against it, minus atan(w / h); degrees."""
-    turned = np.degrees(pitch(run, "box") - pitch(run, "slab"))
-    beyond = np.nonzero(turned > 0.2)[0]
-    if beyond.size == 0:
-        raise NoFigure("the box does not tip")
-    return abs(math.degrees(pitch(run, "slab")[beyond[0]]) - math.degrees(math.atan(0.5)))
-
-
-TIPPING = Case(
-    id="R11", title="Tipping", scene="report/tipping",
-    about="A box half as wide as high on a slab that is tilted by 0.1 degrees a second, friction 2: it tips at tan = w / h.",
-    source="statics", knob=STEP, resolutions=STEPS, methods=("ode",),
-    measures=(Measure("tipping angle", "deg", tipping_error, (0.5,)),),
-)
-
-
-def stack_moved(run: Outcome, names: list[str]) -> float:
-    """Largest way of any box from where it stood after 0.5 s, m."""
-    return max(largest(run.values(f"{n}.{c}", 0.5) - run.values(f"{n}.{c}", 0.5)[0]) for n in names for c in "xyz")
-
-
-def penetration(run: Outcome, names: list[str]) -> float:
-    """Deepest overlap of neighbours, over the edge of 0.1 m."""
-    heights = np.stack([np.full_like(run.values(f"{names[0]}.z"), -0.05), *(run.values(f"{n}.z") for n in names)])
-    return max(0.0, float(np.max(0.1 - np.diff(heights, axis=0)))) / 0.1
-
-
-def stacked(case: str, title: str, scene: str, about: str, names: list[str], resolutions: tuple) -> Case:
-    return Case(
-        id=case, title=title, scene=scene, about=about, source="no motion", knob=STEP, resolutions=resolutions, methods=("ode",),
-        measures=(Measure("way in a minute", "m", lambda r: stack_moved(r, names), (1e-3,)),
-                  Measure("penetration / edge", "%", lambda r: penetration(r, names), (0.01,))))
-
-
-STACK = stacked("R12", "Stack of ten boxes", "report/stack", "Ten equal boxes on each other for a minute.", [f"box_0_0_{k}" for k in range(10)], STEPS[2:])
-HEAVY_ON_LIGHT = stacked("R12h", "Heavy box on a light one", "report/stack_of_two", "100 kg on 1 kg for a minute.", ["low", "high"], STEPS[1:])
 
 # R13 to R15
 
@@ -322,11 +236,18 @@ def gained(e: Array, scale: float) -> float:
 
 
 CHAIN = Case(
-    id="R13", title="Chain with a heavy end", scene="report/chain",
-    about="Twenty links on ball joints with a weight of a hundred links, let go level, for 5 s.", source="conservation of energy",
-    knob=STEP, resolutions=STEPS[1:], methods=("ode",),
-    measures=(Measure("gap of a joint / link", "", chain_gap, (1e-3,)),
-              Measure("energy gained / m g L", "%", lambda r: gained(chain_energy(r), 12 * G * 2), (0.01,))),
+    id="R13",
+    title="Chain with a heavy end",
+    scene="report/chain",
+    about="Twenty links on ball joints with a weight of a hundred links, let go level, for 5 s.",
+    source="conservation of energy",
+    knob=STEP,
+    resolutions=STEPS[1:],
+    methods=("ode",),
+    measures=(
+        Measure("gap of a joint / link", "", chain_gap, (1e-3,)),
+        Measure("energy gained / m g L", "%", lambda r: gained(chain_energy(r), 12 * G * 2), (0.01,)),
+    ),
 )
 BAR = box_inertia(1, (1, 0.02, 0.02))
 
@@ -336,21 +257,46 @@ def pendulum_energy(run: Outcome) -> Array:
 
 
 DOUBLE_PENDULUM = Case(
-    id="R14", title="Double pendulum", scene="report/double_pendulum",
-    about="Two rods on hinges let go level, for 10 s: chaotic, but its energy stays.", source="conservation of energy",
-    knob=STEP, resolutions=STEPS, methods=("ode",),
-    measures=(Measure("energy drift / m g L", "%", lambda r: largest(pendulum_energy(r) - pendulum_energy(r)[0]) / (2 * G), (0.01,)),),
-    chart=Chart("t (s)", "energy change / m g L", lambda r: (r.series("upper.x")[0], (pendulum_energy(r) - pendulum_energy(r)[0]) / (2 * G)),
-                lambda v, f: (np.array([0, 10]), np.array([0, 0])), "none"),
+    id="R14",
+    title="Double pendulum",
+    scene="report/double_pendulum",
+    about="Two rods on hinges let go level, for 10 s: chaotic, but its energy stays.",
+    source="conservation of energy",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    measures=(
+        Measure(
+            "energy drift / m g L",
+            "%",
+            lambda r: largest(pendulum_energy(r) - pendulum_energy(r)[0]) / (2 * G),
+            (0.01,),
+        ),
+    ),
+    chart=Chart(
+        "t (s)",
+        "energy change / m g L",
+        lambda r: (r.series("upper.x")[0], (pendulum_energy(r) - pendulum_energy(r)[0]) / (2 * G)),
+        lambda v, f: (np.array([0, 10]), np.array([0, 0])),
+        "none",
+    ),
 )
 FAST = Case(
-    id="R15", title="Fast spin", scene="report/free_flight",
+    id="R15",
+    title="Fast spin",
+    scene="report/free_flight",
     about="The box of R3 at 10,000 rad/s about an axis between its principal ones, for 50 ms.",
-    source="conservation of energy", knob=STEP, resolutions=(("coarse", 1e-5), ("10s", 1e-6)), methods=("ode", "free_body"),
-    overrides={"world.duration": "0.05", "output.every": "0.0001", "models.body.velocity": "[0, 0, 0]",
-               "models.body.angular_velocity": "[6000, 8000, 0]"},
+    source="conservation of energy",
+    knob=STEP,
+    resolutions=(("coarse", 1e-5), ("10s", 1e-6)),
+    methods=("ode", "free_body"),
+    overrides={
+        "world.duration": "0.05",
+        "output.every": "0.0001",
+        "models.body.velocity": "[0, 0, 0]",
+        "models.body.angular_velocity": "[6000, 8000, 0]",
+    },
     measures=(Measure("energy drift", "", lambda r: largest(turning_energy(r) / turning_energy(r)[0] - 1), (1e-6,)),),
 )
 
-CASES = (FLIGHT, PROJECTILE, TUMBLING, PENDULUM, SLIDING, RESTING, ROLLING, BOUNCING, COLLISION, TIPPING, STACK, HEAVY_ON_LIGHT, CHAIN,
-         DOUBLE_PENDULUM, FAST)
+CASES = (FLIGHT, PROJECTILE, TUMBLING, PENDULUM, CHAIN, DOUBLE_PENDULUM, FAST)

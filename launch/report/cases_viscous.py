@@ -41,20 +41,38 @@ def damped(v: Variant, folders: list) -> tuple[Array, Array]:
 
 def spring(ratio: float) -> Variant:
     k = (2 * math.pi) ** 2 * (ratio + 5 / 3) * MASS
-    return Variant(f"r{ratio:g}", {"models.body.density": f"{1000 * ratio:g}", "joints.spring.spring": f"{k:.7g}"}, {"ratio": ratio})
+    return Variant(
+        f"r{ratio:g}",
+        {"models.body.density": f"{1000 * ratio:g}", "joints.spring.spring": f"{k:.7g}"},
+        {"ratio": ratio},
+    )
 
 
 SPRING = Case(
-    id="B3", title="Cylinder on a spring in an annulus", scene="report/spring_annulus",
+    id="B3",
+    title="Cylinder on a spring in an annulus",
+    scene="report/spring_annulus",
     about="A cylinder of 0.2 m on a spring in a concentric container twice as wide, viscosity 1e-4 m^2/s: added mass and viscous damping "
-          "together, at density ratios 0.01 to 8. Frequency and decay over periods 2 to 4.",
+    "together, at density ratios 0.01 to 8. Frequency and decay over periods 2 to 4.",
     source="S.S. Chen, M.W. Wambsganss, J.A. Jendrzejczyk, J. Appl. Mech. 43 (1976) 325-329, evaluated for this project",
     resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
     measures=(
-        Measure("frequency", "%", lambda r: relative(frequency(r), vibration(r["ratio"], r.references)[0]), (0.03, 0.015, 0.007)),
-        Measure("decay rate", "%", lambda r: relative(damping(r), vibration(r["ratio"], r.references)[1]), (0.25, 0.15, 0.08)),
+        Measure(
+            "frequency",
+            "%",
+            lambda r: relative(frequency(r), vibration(r["ratio"], r.references)[0]),
+            (0.03, 0.015, 0.007),
+        ),
+        Measure(
+            "decay rate",
+            "%",
+            lambda r: relative(damping(r), vibration(r["ratio"], r.references)[1]),
+            (0.25, 0.15, 0.08),
+        ),
     ),
-    methods=COUPLED, variants=tuple(spring(r) for r in (0.01, 0.1, 1, 8)), shown=(1,),
+    methods=COUPLED,
+    variants=tuple(spring(r) for r in (0.01, 0.1, 1, 8)),
+    shown=(1,),
     chart=Chart("t (s)", "x (m)", lambda r: r.series("body.x"), damped, "Chen et al. 1976"),
 )
 
@@ -68,27 +86,68 @@ def against(run: Outcome, column: str, start: float, exact, until: float) -> flo
     return nrmse(resample(t, y / start, at), exact(run["ratio"], at))
 
 
-def fading(case: str, title: str, scene: str, about: str, column: str, label: str, start: float, exact, until: float, model: str,
-           targets: tuple) -> Case:
+def fading(
+    case: str,
+    title: str,
+    scene: str,
+    about: str,
+    column: str,
+    label: str,
+    start: float,
+    exact,
+    until: float,
+    model: str,
+    targets: tuple,
+) -> Case:
     times = np.arange(0.0, until + 1e-9, 0.02)
     return Case(
-        id=case, title=title, scene=scene, about=about, source="diffusion equation with the body as its boundary, finite volumes",
+        id=case,
+        title=title,
+        scene=scene,
+        about=about,
+        source="diffusion equation with the body as its boundary, finite volumes",
         resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
         measures=(Measure(f"{label}, NRMSE", "%", lambda r: against(r, column, start, exact, until), targets),),
         methods=COUPLED,
-        variants=tuple(Variant(f"r{r:g}", {f"models.{model}.density": f"{1000 * r:g}"}, {"ratio": r}) for r in (0.1, 1, 8)),
-        chart=Chart("t (s)", label, lambda r: (r.series(column)[0], r.values(column) / start),
-                    lambda v, f: (times, exact(v.values["ratio"], times))),
+        variants=tuple(
+            Variant(f"r{r:g}", {f"models.{model}.density": f"{1000 * r:g}"}, {"ratio": r}) for r in (0.1, 1, 8)
+        ),
+        chart=Chart(
+            "t (s)",
+            label,
+            lambda r: (r.series(column)[0], r.values(column) / start),
+            lambda v, f: (times, exact(v.values["ratio"], times)),
+        ),
     )
 
 
-SPIN_DOWN = fading("B5", "Spin-down in an annulus: torque", "report/spin_down",
-                   "A cylinder turns at 1 rad/s in a fluid at rest in a fixed concentric cylinder twice as wide, viscosity 1e-3 m^2/s, "
-                   "at density ratios 0.1, 1 and 8.",
-                   "body.wy", "speed of turning / at the start", 1.0, annulus_spin_down, 5, "body", (0.04, 0.02, 0.01))
-PLATE = fading("B6", "Free plate between walls: shear", "report/free_plate",
-               "A plate 0.02 m thick slides between two walls, 0.1 m from each, viscosity 1e-3 m^2/s, at density ratios 0.1, 1 and 8.",
-               "plate.vx", "speed / at the start", 0.1, plate_between_walls, 4, "plate", (0.03, 0.015, 0.007))
+SPIN_DOWN = fading(
+    "B5",
+    "Spin-down in an annulus: torque",
+    "report/spin_down",
+    "A cylinder turns at 1 rad/s in a fluid at rest in a fixed concentric cylinder twice as wide, viscosity 1e-3 m^2/s, "
+    "at density ratios 0.1, 1 and 8.",
+    "body.wy",
+    "speed of turning / at the start",
+    1.0,
+    annulus_spin_down,
+    5,
+    "body",
+    (0.04, 0.02, 0.01),
+)
+PLATE = fading(
+    "B6",
+    "Free plate between walls: shear",
+    "report/free_plate",
+    "A plate 0.02 m thick slides between two walls, 0.1 m from each, viscosity 1e-3 m^2/s, at density ratios 0.1, 1 and 8.",
+    "plate.vx",
+    "speed / at the start",
+    0.1,
+    plate_between_walls,
+    4,
+    "plate",
+    (0.03, 0.015, 0.007),
+)
 
 # B8
 
@@ -110,9 +169,11 @@ def settling(run: Outcome) -> float:
 
 
 SPHERES = Case(
-    id="B8", title="Periodic array of sinking spheres: drag", scene="report/periodic_sphere",
+    id="B8",
+    title="Periodic array of sinking spheres: drag",
+    scene="report/periodic_sphere",
     about="A sphere in a periodic box 2.688 diameters wide, Reynolds number 0.05, after 1.5 s (six times the time that viscosity needs "
-          "to cross a radius).",
+    "to cross a radius).",
     source="A.A. Zick and G.M. Homsy, J. Fluid Mech. 115 (1982) 13-26: K = 2.008",
     resolutions=(("coarse", 0.0224), ("10s", 0.0168), ("1min", 0.0112), ("10min", 0.0064)),  # parts of the edge
     measures=(Measure("speed", "%", lambda r: abs(settling(r) - 1), (0.08, 0.04, 0.02)),),

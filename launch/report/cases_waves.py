@@ -23,18 +23,31 @@ def piston_frequency(run: Outcome) -> float:
 
 
 PISTON = Case(
-    id="B7", title="Piston on a compressible column", scene="report/piston",
+    id="B7",
+    title="Piston on a compressible column",
+    scene="report/piston",
     about="A piston on a column of 1 m, sound speed 10 m/s, closed at the other end, let go under a pressure of a thousandth of rho c^2, at "
-          "ratios of piston to fluid mass of 0.01 to 10. First frequency over two periods. The implicit solver has no sound and is left out.",
+    "ratios of piston to fluid mass of 0.01 to 10. First frequency over two periods. The implicit solver has no sound and is left out.",
     source="linear acoustics: q tan q = fluid mass / piston mass",
     resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005)),
-    measures=(Measure("frequency", "%", lambda r: relative(piston_frequency(r), 10 * piston_root(r["ratio"]) / (2 * math.pi)),
-                      (0.02, 0.01, 0.003)),),
+    measures=(
+        Measure(
+            "frequency",
+            "%",
+            lambda r: relative(piston_frequency(r), 10 * piston_root(r["ratio"]) / (2 * math.pi)),
+            (0.02, 0.01, 0.003),
+        ),
+    ),
     methods=("wcsph", "staggered"),
     variants=tuple(Variant(f"m{m:g}", {"models.piston.mass": f"{200 * m:g}"}, {"ratio": m}) for m in MASSES),
-    chart=Chart("mass of the piston / of the fluid", "frequency (Hz)", lambda r: (r["ratio"], piston_frequency(r)),
-                lambda v, f: ((m := np.geomspace(0.01, 10, 60)), np.array([10 * piston_root(x) / (2 * math.pi) for x in m])), joined=True,
-                log_x=True),
+    chart=Chart(
+        "mass of the piston / of the fluid",
+        "frequency (Hz)",
+        lambda r: (r["ratio"], piston_frequency(r)),
+        lambda v, f: ((m := np.geomspace(0.01, 10, 60)), np.array([10 * piston_root(x) / (2 * math.pi) for x in m])),
+        joined=True,
+        log_x=True,
+    ),
 )
 
 # B9
@@ -48,7 +61,9 @@ def immersed(height: float) -> float:
     return RADIUS**2 * math.acos(height / RADIUS) - height * math.sqrt(RADIUS**2 - height**2)
 
 
-REST = DEPTH + (math.pi * RADIUS**2 / 2 - immersed(LIFT)) / TANK  # m, of the centre: the water carved out at the start is less
+REST = (
+    DEPTH + (math.pi * RADIUS**2 / 2 - immersed(LIFT)) / TANK
+)  # m, of the centre: the water carved out at the start is less
 
 
 def heave(run: Outcome) -> tuple[Array, Array]:
@@ -69,9 +84,11 @@ def heave_theory(folders: list) -> tuple[Array, Array]:
 
 
 HEAVING = Case(
-    id="B9", title="Heave decay of a half-immersed cylinder", scene="report/heave_decay",
+    id="B9",
+    title="Heave decay of a half-immersed cylinder",
+    scene="report/heave_decay",
     about="A cylinder of 0.1524 m and half the water's density is lifted by a third of its radius and let go. Linear theory of deep water; "
-          "waves come back from the walls after t sqrt(g / a) = 9.",
+    "waves come back from the walls after t sqrt(g / a) = 9.",
     source="F. Ursell's multipoles and Cummins' equation, evaluated for this project",
     resolutions=(("coarse", 0.01905), ("10s", 0.0127), ("1min", 0.0076), ("10min", 0.0038)),
     measures=(Measure("height, rms over that at the start", "", heave_error, (0.08, 0.04, 0.02)),),
@@ -88,7 +105,9 @@ def moment(run: Outcome) -> Array:
 
 EXACT = 1000 * G * 0.5**3 / 6
 GATE = Case(
-    id="B13", title="Gate that holds back water", scene="report/gate",
+    id="B13",
+    title="Gate that holds back water",
+    scene="report/gate",
     about="A gate locked at the bed holds back water 0.5 m deep; its moment about the foot from 1 s on, and how much it shakes.",
     source="hydrostatics: rho g H^3 / 6",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125), ("10min", 0.00625)),
@@ -96,8 +115,13 @@ GATE = Case(
         Measure("mean moment", "%", lambda r: relative(float(moment(r).mean()), EXACT), (0.03, 0.015, 0.007)),
         Measure("rms of the moment", "%", lambda r: float(moment(r).std()) / EXACT, (0.05, 0.02, 0.01)),
     ),
-    chart=Chart("t (s)", "moment about the foot (N m / m)", lambda r: (r.series("gate.fx", 1)[0], moment(r)),
-                lambda v, f: (np.array([1, 4]), np.array([EXACT, EXACT])), "rho g H^3 / 6"),
+    chart=Chart(
+        "t (s)",
+        "moment about the foot (N m / m)",
+        lambda r: (r.series("gate.fx", 1)[0], moment(r)),
+        lambda v, f: (np.array([1, 4]), np.array([EXACT, EXACT])),
+        "rho g H^3 / 6",
+    ),
 )
 
 # X4
@@ -124,15 +148,23 @@ def entry_error(run: Outcome) -> float:
 
 
 ENTERING = Case(
-    id="X4", title="Cylinder that falls into water", scene="report/cylinder_entry",
+    id="X4",
+    title="Cylinder that falls into water",
+    scene="report/cylinder_entry",
     about="A cylinder of 0.11 m hits water 0.3 m deep at 2.955 m/s, density 500 and 1000 kg/m^3; how deep its centre is against a "
-          "boundary-element solution. The target is that of density 500.",
+    "boundary-element solution. The target is that of density 500.",
     source="P.N. Sun et al., Appl. Ocean Res. 72 (2018) 60-75 (their boundary-element curve, digitised); set-up of Greenhow and Lin 1983",
     resolutions=(("coarse", 0.011), ("10s", 0.0055), ("1min", 0.00275)),
     measures=(Measure("way of the centre / D, rms", "", entry_error, (0.08, 0.04, 0.025)),),
     variants=tuple(Variant(f"rho{d}", {"models.body.density": f"{d}"}, {"density": d}) for d in (500, 1000)),
-    chart=Chart("t sqrt(g / D)", "way of the centre / D", penetration, lambda v, f: entry_reference(v.values["density"], f),
-                "boundary elements", points=True),
+    chart=Chart(
+        "t sqrt(g / D)",
+        "way of the centre / D",
+        penetration,
+        lambda v, f: entry_reference(v.values["density"], f),
+        "boundary elements",
+        points=True,
+    ),
 )
 
 CASES = (PISTON, HEAVING, GATE, ENTERING)

@@ -37,24 +37,35 @@ def _quoted(text: str) -> str:
 
 
 def script(plot: Plot) -> str:
-    out = ['set terminal svg size 480,320 dynamic enhanced font "Helvetica,12" background "white"',
-           "set encoding utf8", f"set xlabel {_quoted(plot.x)} noenhanced", f"set ylabel {_quoted(plot.y)} noenhanced",
-           "set border 3 lc rgb '#666666'", "set tics nomirror textcolor rgb '#333333'", "set grid lc rgb '#e4e4e4' lt 1",
-           "set key above left horizontal samplen 2 spacing 1.1 noenhanced font 'Helvetica,11'"]
+    out = [
+        'set terminal svg size 480,320 dynamic enhanced font "Helvetica,12" background "white"',
+        "set encoding utf8",
+        f"set xlabel {_quoted(plot.x)} noenhanced",
+        f"set ylabel {_quoted(plot.y)} noenhanced",
+        "set border 3 lc rgb '#666666'",
+        "set tics nomirror textcolor rgb '#333333'",
+        "set grid lc rgb '#e4e4e4' lt 1",
+        "set key above left horizontal samplen 2 spacing 1.1 noenhanced font 'Helvetica,11'",
+    ]
     ys = [v for line in plot.lines for v in line.y if math.isfinite(v) and (v > 0 or not plot.log_y)]
     ys += [v for v, _ in plot.levels]
     if plot.log_x:
         out += ["set logscale x", 'set format x "%g"']
     if plot.log_y:
-        out += ["set logscale y", 'set format y "%g"',
-                f"set yrange [{10 ** math.floor(math.log10(min(ys)) - 0.05)!r}:{10 ** math.ceil(math.log10(max(ys)) + 0.05)!r}]"]
+        out += [
+            "set logscale y",
+            'set format y "%g"',
+            f"set yrange [{10 ** math.floor(math.log10(min(ys)) - 0.05)!r}:{10 ** math.ceil(math.log10(max(ys)) + 0.05)!r}]",
+        ]
     elif plot.y_range and ys:
         low, high = max(min(ys), plot.y_range[0]), min(max(ys), plot.y_range[1])
         middle, half = (low + high) / 2, max((high - low) / 2 * 1.05, 1e-3 * max(abs(low), abs(high)), 1e-12)
         out += [f"set yrange [{middle - half!r}:{middle + half!r}]"]
     for value, word in plot.levels:
-        out += [f"set arrow from graph 0, first {value!r} to graph 1, first {value!r} nohead lc rgb '#CC79A7' dt 2 lw 1.2",
-                f"set label {_quoted(word)} at graph 0.995, first {value!r} right offset 0,0.45 tc rgb '#A0527A' font 'Helvetica,10'"]
+        out += [
+            f"set arrow from graph 0, first {value!r} to graph 1, first {value!r} nohead lc rgb '#CC79A7' dt 2 lw 1.2",
+            f"set label {_quoted(word)} at graph 0.995, first {value!r} right offset 0,0.45 tc rgb '#A0527A' font 'Helvetica,10'",
+        ]
     commands = []
     for index, line in enumerate(plot.lines):
         rows = "\n".join(f"{x!r} {y!r}" for x, y in zip(line.x, line.y))

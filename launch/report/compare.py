@@ -26,8 +26,15 @@ def time_noise(walls: list[float]) -> float:
 
 
 def _line(row: dict, what: str, before: str, now: str, factor: float | None, good: bool, word: str) -> dict:
-    return {"id": row["id"], "what": what, "before": before, "now": now, "good": good, "word": word,
-            "factor": f"{factor:.2f}" if factor is not None else ""}
+    return {
+        "id": row["id"],
+        "what": what,
+        "before": before,
+        "now": now,
+        "good": good,
+        "word": word,
+        "factor": f"{factor:.2f}" if factor is not None else "",
+    }
 
 
 def changes(old: dict, new: dict, against: str) -> dict:
@@ -39,20 +46,40 @@ def changes(old: dict, new: dict, against: str) -> dict:
             continue
         same += 1
         if row["status"] != was["status"]:
-            lines.append(_line(row, "run", was["status"], row["status"], None, row["status"] == "finished",
-                               "better" if row["status"] == "finished" else "worse"))
+            lines.append(
+                _line(
+                    row,
+                    "run",
+                    was["status"],
+                    row["status"],
+                    None,
+                    row["status"] == "finished",
+                    "better" if row["status"] == "finished" else "worse",
+                )
+            )
         old_measures = {m["name"]: m["value"] for m in was["measures"]}
         for m in row["measures"]:
             a, b = old_measures.get(m["name"]), m["value"]
             if a is None or b is None or a == b or abs(b - a) <= ERROR_NOISE * abs(a):
                 continue
-            lines.append(_line(row, m["name"], figure(a, m["unit"]), figure(b, m["unit"]), b / a if a else None, b < a,
-                               "better" if b < a else "worse"))
+            lines.append(
+                _line(
+                    row,
+                    m["name"],
+                    figure(a, m["unit"]),
+                    figure(b, m["unit"]),
+                    b / a if a else None,
+                    b < a,
+                    "better" if b < a else "worse",
+                )
+            )
         a, b = was["wall_s"], row["wall_s"]
         noise = max(time_noise(was["walls"]), time_noise(row["walls"]))
         if a and b and max(a, b) > SHORT and max(a, b) / min(a, b) > 1 + noise:
             lines.append(_line(row, "wall time", seconds(a), seconds(b), b / a, b < a, "faster" if b < a else "slower"))
     machines = "" if old["machine"] == new["machine"] else f" Other machine: {old['machine']}; times do not compare."
-    note = (f"{same} runs in common, {len(new['rows']) - same} only here. Errors that changed by more than {100 * ERROR_NOISE:g} %, "
-            f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}")
+    note = (
+        f"{same} runs in common, {len(new['rows']) - same} only here. Errors that changed by more than {100 * ERROR_NOISE:g} %, "
+        f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}"
+    )
     return {"against": against, "note": note, "lines": lines}

@@ -15,10 +15,23 @@ CURVE_POINTS = 400  # of a curve kept for the page
 def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
     """A row of results.json."""
     row = {
-        "id": job.id, "group": job.group, "case": job.case.id, "variant": job.variant.name, "method": job.method,
-        "level": job.level, "h": job.h, "status": note["status"], "message": note["message"], "wall_s": note["wall_s"],
-        "walls": note["walls"], "started": note["started"], "load": note["load"], "run": shown_command(job),
-        "report": f"./launch/ballast report {job.id}", "measures": [], "curve": None,
+        "id": job.id,
+        "group": job.group,
+        "case": job.case.id,
+        "variant": job.variant.name,
+        "method": job.method,
+        "level": job.level,
+        "h": job.h,
+        "status": note["status"],
+        "message": note["message"],
+        "wall_s": note["wall_s"],
+        "walls": note["walls"],
+        "started": note["started"],
+        "load": note["load"],
+        "run": shown_command(job),
+        "report": f"./launch/ballast report {job.id}",
+        "measures": [],
+        "curve": None,
     }
     outcome = None
     if note["status"] == "finished":
@@ -27,15 +40,16 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         row["curve"] = _curve(job.case, outcome)
     for measure in job.case.measures:
         target = measure.target(job.level)
-        entry = {"name": measure.name, "unit": measure.unit, "value": None, "target": target, "note": ""}
+        value, remark, verdict = None, "", None
         try:
             if outcome:
-                entry["value"] = float(measure.value(outcome))
+                value = float(measure.value(outcome))
         except NoFigure as why:
-            entry["note"] = str(why)
+            remark = str(why)
         except ReferenceMissing as why:
-            entry |= {"note": str(why), "verdict": "reference not installed"}
-        entry.setdefault("verdict", _verdict(entry["value"], target))
+            remark, verdict = str(why), "reference not installed"
+        entry = {"name": measure.name, "unit": measure.unit, "value": value, "target": target, "note": remark}
+        entry["verdict"] = verdict or _verdict(value, target)
         row["measures"].append(entry)
     return row
 
@@ -56,13 +70,22 @@ def _figures(outcome: Outcome) -> dict:
     if not stages:  # no fluid process
         stages = {k: v for k, v in (r.get("stages") or {}).items() if v}
     return {
-        "steps": r["steps"], "particles": particles.get("fluid"), "samples": particles.get("boundary"),
-        "lost": particles.get("lost"), "particle_steps_per_s": r.get("particle_steps_per_s"),
-        "simulated_s": r["simulated_s"], "momentum_imbalance": ledger.get("imbalance_relative"),
-        "mass_drift": ledger.get("mass_drift"), "energy_change_J": energy.get("change"),
+        "steps": r["steps"],
+        "particles": particles.get("fluid"),
+        "samples": particles.get("boundary"),
+        "lost": particles.get("lost"),
+        "particle_steps_per_s": r.get("particle_steps_per_s"),
+        "simulated_s": r["simulated_s"],
+        "momentum_imbalance": ledger.get("imbalance_relative"),
+        "mass_drift": ledger.get("mass_drift"),
+        "energy_change_J": energy.get("change"),
         "density_error": (r.get("error") or {}).get("density_mean"),
-        "expectations": [sum(1 for e in expects if e["pass"]), len(expects)], "warnings": r.get("warnings", []),
-        "stages": stages, "machine": r["machine"], "version": r["version"], "threads": r["threads"],
+        "expectations": [sum(1 for e in expects if e["pass"]), len(expects)],
+        "warnings": r.get("warnings", []),
+        "stages": stages,
+        "machine": r["machine"],
+        "version": r["version"],
+        "threads": r["threads"],
         "state_hash": r.get("state_hash"),
     }
 

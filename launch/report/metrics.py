@@ -117,6 +117,7 @@ def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
 
 def best_shift(t: Array, y: Array, at: Array, reference: Array, largest: float) -> tuple[float, float]:
     """Time shift within +-largest that makes the NRMSE smallest, and that NRMSE; the run may end a shift early."""
+
     def error(shift: float) -> float:
         return nrmse(np.interp(at + shift, t, y), reference)
 

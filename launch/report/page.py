@@ -37,7 +37,9 @@ def speed(value: float | None) -> str:
 def error_chart(case: Case, rows: list[dict]) -> str:
     """Headline error against wall time, log-log; all settings, resolutions of one setting joined."""
     measure = case.measures[0]
-    plot = Plot("wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True)
+    plot = Plot(
+        "wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True
+    )
     scale = 100 if measure.unit == "%" else 1
     shown = [r for r in points_of(rows) if headline(r)["value"] > 0]
     titled = set()
@@ -46,16 +48,28 @@ def error_chart(case: Case, rows: list[dict]) -> str:
         method = members[0]["method"]
         title = "" if method in titled else method
         titled.add(method)
-        plot.lines.append(Line(title, [r["wall_s"] for r in members], [scale * headline(r)["value"] for r in members],
-                               f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.6 lw 1"))
+        plot.lines.append(
+            Line(
+                title,
+                [r["wall_s"] for r in members],
+                [scale * headline(r)["value"] for r in members],
+                f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.6 lw 1",
+            )
+        )
     front = [r for r in shown if r.get("pareto")]
     if len(case.variants) == 1 and len(front) > 0:
         front.sort(key=lambda r: r["wall_s"])
         xs, ys = [r["wall_s"] for r in front], [scale * headline(r)["value"] for r in front]
-        plot.lines[:0] = [Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"), Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'")]
+        plot.lines[:0] = [
+            Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"),
+            Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
+        ]
     targets = dict.fromkeys(measure.targets)
-    plot.levels = [(scale * t, f"target {level}" if len(targets) > 1 else "target")
-                   for t, level in zip(targets, LEVELS[1:]) if any(r["level"] == level for r in rows) or level == "10s"]
+    plot.levels = [
+        (scale * t, f"target {level}" if len(targets) > 1 else "target")
+        for t, level in zip(targets, LEVELS[1:])
+        if any(r["level"] == level for r in rows) or level == "10s"
+    ]
     return draw(plot) if shown else ""
 
 
@@ -73,8 +87,12 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
         try:
             for number, variant in enumerate(variants[:1] if chart.joined else variants):
                 x, y = chart.reference(variant, references)
-                style = "points pt 6 ps 0.7 lw 1.5 lc rgb 'black'" if chart.points else "lines lc rgb '#222222' lw 3 dt 3"
-                plot.lines.append(Line(chart.reference_name if number == 0 else "", list(map(float, x)), list(map(float, y)), style))
+                style = (
+                    "points pt 6 ps 0.7 lw 1.5 lc rgb 'black'" if chart.points else "lines lc rgb '#222222' lw 3 dt 3"
+                )
+                plot.lines.append(
+                    Line(chart.reference_name if number == 0 else "", list(map(float, x)), list(map(float, y)), style)
+                )
         except ReferenceMissing as why:
             missing = str(why)
     for method in dict.fromkeys(r["method"] for r in with_curve):
@@ -85,16 +103,28 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
         colour = COLOURS[method]
         if chart.joined:
             pairs = sorted((r["curve"][0][0], r["curve"][1][0]) for r in mine)
-            plot.lines.append(Line(title, [p[0] for p in pairs], [p[1] for p in pairs],
-                                   f"points pt {MARKS[method]} ps 0.8 lc rgb '{colour}'"))
+            plot.lines.append(
+                Line(
+                    title,
+                    [p[0] for p in pairs],
+                    [p[1] for p in pairs],
+                    f"points pt {MARKS[method]} ps 0.8 lc rgb '{colour}'",
+                )
+            )
             continue
         for number, row in enumerate(mine):
             name = f"{title}{', ' + row['variant'] if row['variant'] else ''}"
-            plot.lines.append(Line(name, *row["curve"],
-                                   f"lines lw 1.6 lc rgb '{colour}' dt {DASHES[number % len(DASHES)]}"))
+            plot.lines.append(
+                Line(
+                    name,
+                    row["curve"][0],
+                    row["curve"][1],
+                    f"lines lw 1.6 lc rgb '{colour}' dt {DASHES[number % len(DASHES)]}",
+                )
+            )
     exact = [v for line in plot.lines if line.style.startswith(("points pt 6", "lines lc")) for v in line.y]
     if exact:  # a run that goes astray is cut off, so that the others can be seen
-        room = max(max(exact) - min(exact), 1e-3 * max(map(abs, exact)), 1e-12)
+        room = max(max(exact) - min(exact), 1e-3 * max(abs(v) for v in exact), 1e-12)
         plot.y_range = (min(exact) - room, max(exact) + room)
     return draw(plot) if with_curve else "", missing
 
@@ -104,9 +134,14 @@ def case_section(place: Place, case: Case, rows: list[dict], references: list[Pa
     pictures = [place.out / "runs" / r["id"] / "picture.png" for r in rows]
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
-        "case": case, "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])), "error_chart": error_chart(case, rows), "reference_chart": chart, "missing": missing,
+        "case": case,
+        "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])),
+        "error_chart": error_chart(case, rows),
+        "reference_chart": chart,
+        "missing": missing,
         "picture": next((t for t in map(thumbnail, pictures) if t), ""),
-        "times": times_to_targets(case, rows), "targets": list(dict.fromkeys(case.measures[0].targets)),
+        "times": times_to_targets(case, rows),
+        "targets": list(dict.fromkeys(case.measures[0].targets)),
     }
 
 
@@ -117,7 +152,7 @@ def worst(rows: list[dict], index: int) -> dict:
 
 def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
     """A line per case and method at its finest level that has targets; over the variants the worst counts."""
-    lines = []
+    lines: list[dict] = []
     for case in cases:
         for method in case.methods:
             mine = [r for r in rows if r["case"] == case.id and r["method"] == method and r["level"] != "coarse"]
@@ -137,11 +172,22 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
             everything = [r for r in rows if r["group"] == shown["group"]]
             points = [(r["wall_s"], headline(r)["value"]) for r in points_of(everything)]
             target = headline(shown)["target"]
-            lines.append({"case": case, "method": method, "h": shown["h"], "measures": measures, "order": shown.get("order"),
-                          "wall_s": max(walls, default=None), "runs": len(mine), "failed": len(failed), "status": next(iter(failed), ""),
-                          "to_target": time_to_reach(target, points) if target else None,
-                          "speed": speeds[len(speeds) // 2] if speeds else None,
-                          "first": not lines or lines[-1]["case"] is not case})
+            lines.append(
+                {
+                    "case": case,
+                    "method": method,
+                    "h": shown["h"],
+                    "measures": measures,
+                    "order": shown.get("order"),
+                    "wall_s": max(walls, default=None),
+                    "runs": len(mine),
+                    "failed": len(failed),
+                    "status": next(iter(failed), ""),
+                    "to_target": time_to_reach(target, points) if target else None,
+                    "speed": speeds[len(speeds) // 2] if speeds else None,
+                    "first": not lines or lines[-1]["case"] is not case,
+                }
+            )
     return lines
 
 
@@ -152,14 +198,19 @@ def tally(rows: list[dict]) -> dict[str, int]:
 
 
 def write(place: Place, cases: list[Case], results: dict, references: list[Path], changes: dict | None) -> Path:
-    environment = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True,
-                              lstrip_blocks=True)
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters |= {"figure": figure, "seconds": seconds, "speed": speed}
     rows = results["rows"]
-    sections = [case_section(place, case, [r for r in rows if r["case"] == case.id], references)
-                for case in cases if any(r["case"] == case.id for r in rows)]
+    sections = [
+        case_section(place, case, [r for r in rows if r["case"] == case.id], references)
+        for case in cases
+        if any(r["case"] == case.id for r in rows)
+    ]
     text = environment.get_template("page.html.j2").render(
-        results=results, sections=sections, summary=summary(cases, rows), tally=tally(rows), changes=changes, word=WORD)
+        results=results, sections=sections, summary=summary(cases, rows), tally=tally(rows), changes=changes, word=WORD
+    )
     path = place.out / "report.html"
     path.write_text(text)
     return path

@@ -19,7 +19,9 @@ def read_table(name: str, folders: list[Path]) -> dict[str, Array]:
             lines = [x for x in (folder / name).read_text().splitlines() if x and not x.startswith("#")]
             values = np.array([[float(v) for v in line.split(",")] for line in lines[1:]])
             return dict(zip(lines[0].split(","), values.T))
-    raise ReferenceMissing(f"{name} is in none of {', '.join(str(f) for f in folders)}; give its folder with --references")
+    raise ReferenceMissing(
+        f"{name} is in none of {', '.join(str(f) for f in folders)}; give its folder with --references"
+    )
 
 
 def elliptic_k(modulus: float) -> float:
@@ -40,7 +42,7 @@ def added_mass(shape: str, q: float) -> float:
     return (q**2 + 1) / (q**2 - 1) if shape == "cylinder" else 0.5 * (q**3 + 2) / (q**3 - 1)
 
 
-def released(ratio: float, coefficient: float) -> float:
+def released(ratio: Array, coefficient: float) -> Array:
     """First acceleration over g, downwards, of a body of `ratio` times the fluid's density."""
     return (ratio - 1) / (ratio + coefficient)
 
@@ -52,7 +54,9 @@ def channel_startup(y: Array, t: float, terms: int = 200) -> tuple[Array, Array]
     """
     poiseuille, couette = y * (1 - y) / 2, y.astype(float)
     for n in range(1, terms + 1):
-        couette = couette + 2 / (n * math.pi) * (-1) ** n * np.sin(n * math.pi * y) * math.exp(-((n * math.pi) ** 2) * t)
+        couette = couette + 2 / (n * math.pi) * (-1) ** n * np.sin(n * math.pi * y) * math.exp(
+            -((n * math.pi) ** 2) * t
+        )
         if n % 2:
             k = n * math.pi
             poiseuille = poiseuille - 4 / k**3 * np.sin(k * y) * math.exp(-(k**2) * t)
@@ -97,8 +101,9 @@ def _shear_chain(inertia: float, cell_mass: Array, links: Array) -> tuple[Array,
     return np.concatenate([[inertia], cell_mass]), stiffness
 
 
-def plate_between_walls(ratio: float, times: Array, cells: int = 400, gap: float = 0.1, thickness: float = 0.02,
-                        nu: float = 1e-3) -> Array:
+def plate_between_walls(
+    ratio: float, times: Array, cells: int = 400, gap: float = 0.1, thickness: float = 0.02, nu: float = 1e-3
+) -> Array:
     """u/u0 of a free plate half-way between two walls, `ratio` times as dense as the fluid; finite volumes."""
     dy = gap / cells
     links = np.full(cells + 1, nu / dy)
@@ -109,14 +114,17 @@ def plate_between_walls(ratio: float, times: Array, cells: int = 400, gap: float
     return _evolve(start, mass, stiffness, times)[:, 0]
 
 
-def annulus_spin_down(ratio: float, times: Array, cells: int = 400, a: float = 0.1, b: float = 0.2,
-                      nu: float = 1e-3) -> Array:
+def annulus_spin_down(
+    ratio: float, times: Array, cells: int = 400, a: float = 0.1, b: float = 0.2, nu: float = 1e-3
+) -> Array:
     """omega/omega0 of a free cylinder in a fixed concentric one; finite volumes in the angular velocity w:
     r^3 w_t = nu (r^3 w_r)_r, and (ratio a^4 / 4) w_t = nu a^3 w_r at the body."""
     edges = np.linspace(a, b, cells + 1)
     middle = (edges[:-1] + edges[1:]) / 2
     distance = np.diff(np.concatenate([[a], middle, [b]]))
-    mass, stiffness = _shear_chain(ratio * a**4 / 4, (edges[1:] ** 4 - edges[:-1] ** 4) / 4, nu * edges**3 / distance)
+    mass, stiffness = _shear_chain(
+        ratio * a**4 / 4, (edges[1:] ** 4 - edges[:-1] ** 4) / 4, nu * edges**3 / distance
+    )
     start = np.zeros(cells + 1)
     start[0] = 1
     return _evolve(start, mass, stiffness, times)[:, 0]
@@ -124,6 +132,7 @@ def annulus_spin_down(ratio: float, times: Array, cells: int = 400, a: float = 0
 
 def tumbling(inertia: Array, omega: Array, times: Array, step: float = 1e-3) -> Array:
     """Angular velocity in the body frame of a free body, Euler's equations by classical Runge-Kutta; one row a time."""
+
     def rate(w: Array) -> Array:
         return -np.cross(w, inertia * w) / inertia
 

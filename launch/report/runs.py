@@ -16,7 +16,13 @@ from case import Job, Refused
 PROGRAMS = ("ballast_coordinator", "fluid_server", "rigid_client")
 EXPECTED = {"coarse": 3.0, "10s": 10.0, "1min": 60.0, "10min": 600.0}  # s of wall time, for the time left
 LIMIT = 20  # times what is expected: then a run is stopped and listed as such
-STATUS = {0: "finished", 2: "refused", 3: "finished", 4: "diverged", 5: "failed"}  # 3: an expectation of the scene missed
+STATUS = {
+    0: "finished",
+    2: "refused",
+    3: "finished",
+    4: "diverged",
+    5: "failed",
+}  # 3: an expectation of the scene missed
 
 
 @dataclass(frozen=True)
@@ -85,8 +91,11 @@ def make(place: Place, job: Job, key: str, repeats: int, picture: bool) -> dict:
     (folder / "run.json").unlink(missing_ok=True)
     limit = LIMIT * EXPECTED[job.level]
     walls: list[float] = []
-    note = {"key": key, "started": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-            "load": round(os.getloadavg()[0], 2)}
+    note = {
+        "key": key,
+        "started": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+        "load": round(os.getloadavg()[0], 2),
+    }
     for _ in range(repeats):
         for name in ("record.json", "bodies.csv", "probes.csv", "picture.png"):
             (folder / name).unlink(missing_ok=True)

@@ -38,14 +38,18 @@ class Formulas(unittest.TestCase):
         self.assertAlmostEqual(couette[0], math.erfc(0.5 / 2 / math.sqrt(0.01)), places=9)
 
     def test_sloshing_in_deep_and_shallow_water(self):
-        self.assertAlmostEqual(references.sloshing_period(2, 100, 2), 2 * math.pi / math.sqrt(9.81 * math.pi), places=10)
+        self.assertAlmostEqual(
+            references.sloshing_period(2, 100, 2), 2 * math.pi / math.sqrt(9.81 * math.pi), places=10
+        )
         self.assertAlmostEqual(references.sloshing_period(1, 1e-3, 1), 2 / math.sqrt(9.81e-3), places=4)
 
     def test_piston_root(self):
         for ratio in (0.01, 1, 100):
             q = references.piston_root(ratio)
             self.assertAlmostEqual(ratio * q * math.tan(q), 1, places=9)
-        self.assertAlmostEqual(references.piston_root(1), 0.86033358901938, places=12)  # Abramowitz and Stegun, table 4.20
+        self.assertAlmostEqual(
+            references.piston_root(1), 0.86033358901938, places=12
+        )  # Abramowitz and Stegun, table 4.20
 
 
 class Diffusion(unittest.TestCase):

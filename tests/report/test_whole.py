@@ -21,8 +21,12 @@ class Report(unittest.TestCase):
         self.scratch.cleanup()
 
     def report(self, *words: str) -> subprocess.CompletedProcess:
-        return subprocess.run([sys.executable, "-B", TREE / "launch/report", *words, "--build", os.environ["BALLAST_BUILD"]],
-                              capture_output=True, text=True, cwd=self.out)
+        return subprocess.run(
+            [sys.executable, "-B", TREE / "launch/report", *words, "--build", os.environ["BALLAST_BUILD"]],
+            capture_output=True,
+            text=True,
+            cwd=self.out,
+        )
 
     def rows(self, folder: str) -> dict[str, dict]:
         return {r["id"]: r for r in json.loads((self.out / folder / "results.json").read_text())["rows"]}
@@ -55,7 +59,9 @@ class Report(unittest.TestCase):
 
         words = shlex.split(row["run"])
         program = Path(os.environ["BALLAST_BUILD"]) / "bin/ballast_coordinator"
-        subprocess.run([program, *words[1:], "--quiet", "--out", self.out / "b"], cwd=TREE, check=True, capture_output=True)
+        subprocess.run(
+            [program, *words[1:], "--quiet", "--out", self.out / "b"], cwd=TREE, check=True, capture_output=True
+        )
         record = json.loads((self.out / "b/record.json").read_text())
         self.assertEqual(record["state_hash"], row["state_hash"])
         self.assertTrue(row["state_hash"])
@@ -67,8 +73,15 @@ class Report(unittest.TestCase):
         from runs import Place
 
         self.report(CHEAP[0], "--out", "a")
-        case = Case("R4", "", "", "report/pendulum", (), (
-            Measure("track", "m", lambda run: read_table("absent.csv", run.references)["x"], (1.0,)),), knob="coupling.rigid_step")
+        case = Case(
+            "R4",
+            "",
+            "",
+            "report/pendulum",
+            (),
+            (Measure("track", "m", lambda run: read_table("absent.csv", run.references)["x"], (1.0,)),),
+            knob="coupling.rigid_step",
+        )
         place = Place(TREE, Path("unused"), self.out / "a")
         note = json.loads((self.out / "a/runs" / CHEAP[0] / "run.json").read_text())
         row = judge(place, Job(case, Variant("90deg"), "ode", "10s", 0.002), note, [self.out])
@@ -94,8 +107,18 @@ class Report(unittest.TestCase):
         import compare
 
         def results(error: float, wall: float) -> dict:
-            return {"machine": "m", "rows": [{"id": "F1/x", "status": "finished", "wall_s": wall, "walls": [wall],
-                                              "measures": [{"name": "e", "unit": "", "value": error}]}]}
+            return {
+                "machine": "m",
+                "rows": [
+                    {
+                        "id": "F1/x",
+                        "status": "finished",
+                        "wall_s": wall,
+                        "walls": [wall],
+                        "measures": [{"name": "e", "unit": "", "value": error}],
+                    }
+                ],
+            }
 
         def words(old: dict, new: dict) -> list[str]:
             return [line["word"] for line in compare.changes(old, new, "old")["lines"]]

@@ -1,0 +1,226 @@
+"""Bodies alone in contact: friction, rolling, bouncing, collisions, tipping, stacks. Gravity is tilted, planes are level."""
+
+import math
+
+import numpy as np
+
+from case import Case, Measure, Outcome, Variant
+from cases_rigid import STEP, STEPS, G, largest
+from metrics import NoFigure, relative
+
+Array = np.ndarray
+
+# R6 and R7
+
+
+def tilted(degrees: float) -> str:
+    return f"[{G * math.sin(math.radians(degrees)):.10g}, 0, {-G * math.cos(math.radians(degrees)):.10g}]"
+
+
+def downhill(degrees: float, mu: float) -> float:
+    """Acceleration of a block that slides, m/s^2."""
+    return G * (math.sin(math.radians(degrees)) - mu * math.cos(math.radians(degrees)))
+
+
+def way(run: Outcome, body: str) -> float:
+    x = run.values(f"{body}.x")
+    return float(x[-1] - x[0])
+
+
+SLIDING = Case(
+    id="R6",
+    title="Sliding block",
+    scene="report/slide",
+    about="A block at 2 m/s on a level plane, friction 0.3, stops after v^2 / (2 mu g); on an incline of 30 degrees, friction 0.2, it "
+    "goes a t^2 / 2 in 2 s.",
+    source="Coulomb",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    variants=(
+        Variant("level", {}, {"exact": 4 / (2 * 0.3 * G)}),
+        Variant(
+            "incline",
+            {
+                "world.gravity": tilted(30),
+                "models.block.velocity": "[0, 0, 0]",
+                "models.block.friction": "0.2",
+                "models.floor.friction": "0.2",
+            },
+            {"exact": downhill(30, 0.2) * 2},
+        ),
+    ),
+    measures=(Measure("way", "%", lambda r: relative(way(r, "block"), r["exact"]), (0.005,)),),
+)
+RESTING = Case(
+    id="R6r",
+    title="Resting on an incline",
+    scene="report/slide",
+    about="The block at rest on an incline of 10 degrees, friction 0.3, for 10 s: it stays.",
+    source="no motion",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    overrides={"world.gravity": tilted(10), "models.block.velocity": "[0, 0, 0]", "world.duration": "10"},
+    measures=(Measure("creep", "m", lambda r: largest(r.values("block.x")), (1e-4,)),),
+)
+CYLINDER = {
+    "models.ball.shape": "{ cylinder: { radius: 0.1, length: 0.2 } }",
+    "models.ball.pose": "[0, 0, 0.1, 1.5707963267948966, 0, 0]",
+}
+SLIPPERY = {"models.ball.friction": "0.1", "models.floor.friction": "0.1"}
+ROLLING = Case(
+    id="R7",
+    title="Rolling and slipping",
+    scene="report/roll",
+    about="Down an incline of 30 degrees for 1 s: a sphere rolls at 5/7, a cylinder at 2/3 of g sin, with friction 0.1 both slip.",
+    source="rigid-body dynamics",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    variants=(
+        Variant("sphere", {}, {"exact": 5 / 7 * G * 0.5 / 2}),
+        Variant("cylinder", CYLINDER, {"exact": 2 / 3 * G * 0.5 / 2}),
+        Variant("sphere-slips", SLIPPERY, {"exact": downhill(30, 0.1) / 2}),
+        Variant("cylinder-slips", CYLINDER | SLIPPERY, {"exact": downhill(30, 0.1) / 2}),
+    ),
+    measures=(Measure("way", "%", lambda r: relative(way(r, "ball"), r["exact"]), (0.01,)),),
+)
+
+# R8 and R9
+
+
+def first_apex(run: Outcome) -> float:
+    """Height of the first rebound, m: the largest after the speed has first turned upwards."""
+    upwards = np.nonzero(run.values("ball.vz") > 0)[0]
+    if upwards.size == 0:
+        raise NoFigure("the ball never rises")
+    return float(np.max(run.values("ball.z")[upwards[0] :])) - 0.1
+
+
+BOUNCING = Case(
+    id="R8",
+    title="Bouncing ball",
+    scene="report/bounce",
+    about="A ball dropped from 1 m on a floor, restitution 0.1 to 1: the first rebound rises to e^2 m.",
+    source="Newton",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    variants=tuple(
+        Variant(f"e{e:g}", {"models.ball.restitution": f"{e:g}", "models.floor.restitution": f"{e:g}"}, {"e": e})
+        for e in (0.1, 0.5, 0.9, 1)
+    ),
+    measures=(
+        Measure("apex", "%", lambda r: relative(first_apex(r), r["e"] ** 2), (0.01,)),
+        Measure("height gained ever", "%", lambda r: max(0.0, float(np.max(r.values("ball.z"))) - 1.1), (1e-6,)),
+    ),
+)
+
+
+def after_collision(run: Outcome) -> float:
+    """Largest deviation of the two speeds from Newton's law, over the first speed."""
+    m, e = run["m"], run["e"]
+    exact = np.array([(1 - e * m) / (1 + m), (1 + e) / (1 + m)])  # masses 1 and m, speeds 1 and 0
+    return largest(np.array([run.values("a.vx")[-1], run.values("b.vx")[-1]]) - exact)
+
+
+COLLISION = Case(
+    id="R9",
+    title="Head-on collisions",
+    scene="report/collision",
+    about="A ball at 1 m/s hits one at rest, masses 1 : 1, 10 and 1000, restitution 0, 0.5 and 1.",
+    source="Newton",
+    knob=STEP,
+    resolutions=STEPS[2:],
+    methods=("ode",),
+    variants=tuple(
+        Variant(
+            f"m{m}-e{e:g}",
+            {"models.b.mass": f"{m}", "models.a.restitution": f"{e:g}", "models.b.restitution": f"{e:g}"},
+            {"m": m, "e": e},
+        )
+        for m in (1, 10, 1000)
+        for e in (0, 0.5, 1)
+    ),
+    measures=(
+        Measure("speeds after it", "%", after_collision, (1e-3,)),
+        Measure("momentum", "", lambda r: abs(r.values("a.vx")[-1] + r["m"] * r.values("b.vx")[-1] - 1), (1e-8,)),
+    ),
+)
+
+# R11 and R12
+
+
+def pitch(run: Outcome, body: str) -> Array:
+    return 2 * np.arctan2(run.values(f"{body}.qy"), run.values(f"{body}.qw"))
+
+
+def tipping_error(run: Outcome) -> float:
+    """Tilt of the slab when the box has turned by 0.2 degrees against it, minus atan(w / h); degrees."""
+    turned = np.degrees(pitch(run, "box") - pitch(run, "slab"))
+    beyond = np.nonzero(turned > 0.2)[0]
+    if beyond.size == 0:
+        raise NoFigure("the box does not tip")
+    return abs(math.degrees(pitch(run, "slab")[beyond[0]]) - math.degrees(math.atan(0.5)))
+
+
+TIPPING = Case(
+    id="R11",
+    title="Tipping",
+    scene="report/tipping",
+    about="A box half as wide as high on a slab that is tilted by 0.1 degrees a second, friction 2: it tips at tan = w / h.",
+    source="statics",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    measures=(Measure("tipping angle", "deg", tipping_error, (0.5,)),),
+)
+
+
+def stack_moved(run: Outcome, names: list[str]) -> float:
+    """Largest way of any box from where it stood after 0.5 s, m."""
+    return max(largest(run.values(f"{n}.{c}", 0.5) - run.values(f"{n}.{c}", 0.5)[0]) for n in names for c in "xyz")
+
+
+def penetration(run: Outcome, names: list[str]) -> float:
+    """Deepest overlap of neighbours, over the edge of 0.1 m."""
+    heights = np.stack([np.full_like(run.values(f"{names[0]}.z"), -0.05), *(run.values(f"{n}.z") for n in names)])
+    return max(0.0, float(np.max(0.1 - np.diff(heights, axis=0)))) / 0.1
+
+
+def stacked(case: str, title: str, scene: str, about: str, names: list[str], resolutions: tuple) -> Case:
+    return Case(
+        id=case,
+        title=title,
+        scene=scene,
+        about=about,
+        source="no motion",
+        knob=STEP,
+        resolutions=resolutions,
+        methods=("ode",),
+        measures=(
+            Measure("way in a minute", "m", lambda r: stack_moved(r, names), (1e-3,)),
+            Measure("penetration / edge", "%", lambda r: penetration(r, names), (0.01,)),
+        ),
+    )
+
+
+STACK = stacked(
+    "R12",
+    "Stack of ten boxes",
+    "report/stack",
+    "Ten equal boxes on each other for a minute.",
+    [f"box_0_0_{k}" for k in range(10)],
+    STEPS[2:],
+)
+HEAVY_ON_LIGHT = stacked(
+    "R12h",
+    "Heavy box on a light one",
+    "report/stack_of_two",
+    "100 kg on 1 kg for a minute.",
+    ["low", "high"],
+    STEPS[1:],
+)
+
+CASES = (SLIDING, RESTING, ROLLING, BOUNCING, COLLISION, TIPPING, STACK, HEAVY_ON_LIGHT)
