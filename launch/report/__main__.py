@@ -98,9 +98,9 @@ def commit(tree: Path) -> str:
     return result.stdout.strip() if result.returncode == 0 else "no git"
 
 
-def write_results(place: Place, results: dict) -> None:
-    (place.out / "results.json").write_text(json.dumps(results, indent=1))
-    with (place.out / "results.csv").open("w", newline="") as file:
+def write_results(place: Place, results: dict, part: str) -> None:
+    (place.out / f"results{part}.json").write_text(json.dumps(results, indent=1))
+    with (place.out / f"results{part}.csv").open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(
             [
@@ -236,8 +236,9 @@ def main() -> int:
             mark([r for r in rows if r["case"] == case.id])
         results = results_of(rows, chosen, words, place)
         changes = compare.changes(old, results, str(chosen.against)) if old else None
-        write_results(place, results)
-        path = page.write(place, cases, results, references, changes)
+        part = "_part" if chosen.cases or chosen.methods else ""  # the page of all cases stays
+        write_results(place, results, part)
+        path = page.write(place, cases, results, references, changes, part)
     counts = page.tally(rows)
     failed = sum(r["status"] != "finished" for r in rows)
     print(

@@ -124,6 +124,40 @@ GATE = Case(
     ),
 )
 
+# B12
+
+WEDGES = {25: 23.657, 30: 14.139, 40: 5.477}  # F / (rho V^3 t) by the angle between face and water, degrees
+
+
+def wedge_force(run: Outcome) -> float:
+    """F / (rho V^3 t): the line through the origin that fits best, without the first quarter."""
+    t, force = run.series("wedge.fz", 0.005)
+    return float((force * t).sum() / np.square(t).sum()) / (1000 * 5**3)
+
+
+WEDGE = Case(
+    id="B12",
+    title="Wedge that enters water",
+    scene="report/wedge_entry",
+    about="A wedge goes into water at 5 m/s at 25, 30 and 40 degrees between face and water, without gravity; the force grows with time.",
+    source="R. Zhao and O. Faltinsen, J. Fluid Mech. 246 (1993) 593-612, table 1",
+    resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005)),
+    measures=(
+        Measure("force / time", "%", lambda r: relative(wedge_force(r), WEDGES[int(r["angle"])]), (0.15, 0.08, 0.05)),
+    ),
+    variants=tuple(
+        Variant(f"{a}deg", {"models.wedge.shape.mesh.scale": f"[1, 1, {math.tan(math.radians(a)):.10g}]"}, {"angle": a})
+        for a in WEDGES
+    ),
+    chart=Chart(
+        "t (s)",
+        "F / (rho V^3) (s)",
+        lambda r: (r.series("wedge.fz")[0], r.values("wedge.fz") / (1000 * 5**3)),
+        lambda v, f: ((t := np.linspace(0, 0.02, 20)), WEDGES[int(v.values["angle"])] * t),
+        "similarity solution",
+    ),
+)
+
 # X4
 
 ENTRY = "cylinder_entry_rho{}_bem.csv"
@@ -167,4 +201,4 @@ ENTERING = Case(
     ),
 )
 
-CASES = (PISTON, HEAVING, GATE, ENTERING)
+CASES = (PISTON, HEAVING, WEDGE, GATE, ENTERING)

@@ -197,7 +197,9 @@ def tally(rows: list[dict]) -> dict[str, int]:
     return {word: verdicts.count(word) for word in ("met", "missed", "reference not installed")}
 
 
-def write(place: Place, cases: list[Case], results: dict, references: list[Path], changes: dict | None) -> Path:
+def write(
+    place: Place, cases: list[Case], results: dict, references: list[Path], changes: dict | None, part: str
+) -> Path:
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
@@ -211,6 +213,6 @@ def write(place: Place, cases: list[Case], results: dict, references: list[Path]
     text = environment.get_template("page.html.j2").render(
         results=results, sections=sections, summary=summary(cases, rows), tally=tally(rows), changes=changes, word=WORD
     )
-    path = place.out / "report.html"
+    path = place.out / f"report{part}.html"
     path.write_text(text)
     return path

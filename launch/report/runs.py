@@ -4,6 +4,7 @@ import datetime
 import hashlib
 import json
 import os
+import re
 import shlex
 import signal
 import statistics
@@ -44,10 +45,6 @@ def build_hash(place: Place) -> str:
     return digest.hexdigest()
 
 
-def scene_path(place: Place, job: Job) -> Path:
-    return place.tree / "scenes" / f"{job.case.scene}.yaml"
-
-
 def command(job: Job) -> list[str]:
     """Arguments of `./launch/ballast` that make this run from the root of the tree."""
     words = ["run", f"scenes/{job.case.scene}.yaml"]
@@ -71,7 +68,12 @@ def effective_scene(place: Place, job: Job) -> str:
 
 def key_of(place: Place, job: Job, programs: str, repeats: int) -> str:
     """What a finished run must have in common with the one wanted."""
-    parts = (effective_scene(place, job), programs, os.environ.get("OMP_NUM_THREADS", ""), str(repeats))
+    scene = effective_scene(place, job)
+    parts = [scene, programs, os.environ.get("OMP_NUM_THREADS", ""), str(repeats)]
+    for quoted, plain in re.findall(
+        r'\bfile: (?:"([^"]+)"|([^\s,}]+))', scene
+    ):  # the scene has the names of meshes only
+        parts.append(hashlib.sha256(Path(quoted or plain).read_bytes()).hexdigest())
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 

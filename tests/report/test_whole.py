@@ -29,7 +29,7 @@ class Report(unittest.TestCase):
         )
 
     def rows(self, folder: str) -> dict[str, dict]:
-        return {r["id"]: r for r in json.loads((self.out / folder / "results.json").read_text())["rows"]}
+        return {r["id"]: r for r in json.loads((self.out / folder / "results_part.json").read_text())["rows"]}
 
     def test_a_report_has_figures_and_a_page_without_links_to_a_network(self):
         done = self.report(*CHEAP, "--out", "a")
@@ -39,7 +39,7 @@ class Report(unittest.TestCase):
         for row in rows.values():
             self.assertEqual(row["status"], "finished")
             self.assertLess(row["measures"][0]["value"], 1e-4)
-        page = (self.out / "a/report.html").read_text()
+        page = (self.out / "a/report_part.html").read_text()
         self.assertNotIn("http", page)
         self.assertGreaterEqual(page.count("data:image/svg+xml"), 2)
         self.assertIn(rows[CHEAP[0]]["run"].replace('"', "&#34;").replace("'", "&#39;"), page)
