@@ -32,7 +32,7 @@ def arguments(words: list[str]) -> argparse.Namespace:
         "cases", nargs="*", metavar="CASES", help="such as F1, 'R*' or B4/r0.01/wcsph/0.005; all by default"
     )
     parser.add_argument(
-        "--level", choices=LEVELS, default="10s", help="what a run may cost on two cores (default: 10s)"
+        "--level", choices=LEVELS[1:], default="10s", help="what a run may cost on two cores (default: 10s)"
     )
     parser.add_argument(
         "--methods", nargs="+", choices=METHODS, metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default"

@@ -45,7 +45,7 @@ def script(plot: Plot) -> str:
         "set border 3 lc rgb '#666666'",
         "set tics nomirror textcolor rgb '#333333'",
         "set grid lc rgb '#e4e4e4' lt 1",
-        "set key above left horizontal samplen 2 spacing 1.1 noenhanced font 'Helvetica,11'",
+        "set key above left horizontal maxcols 2 samplen 2 spacing 1.1 noenhanced font 'Helvetica,10'",
     ]
     ys = [v for line in plot.lines for v in line.y if math.isfinite(v) and (v > 0 or not plot.log_y)]
     ys += [v for v, _ in plot.levels]

@@ -151,15 +151,15 @@ def worst(rows: list[dict], index: int) -> dict:
 
 
 def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
-    """A line per case and method at its finest level that has targets; over the variants the worst counts."""
+    """A line per case and method at its finest resolution; over the variants the worst counts."""
     lines: list[dict] = []
     for case in cases:
         for method in case.methods:
-            mine = [r for r in rows if r["case"] == case.id and r["method"] == method and r["level"] != "coarse"]
+            mine = [r for r in rows if r["case"] == case.id and r["method"] == method]
             if not mine:
                 continue
-            level = max((r["level"] for r in mine), key=LEVELS.index)
-            mine = [r for r in mine if r["level"] == level]
+            finest = min(r["h"] for r in mine)
+            mine = [r for r in mine if r["h"] == finest]
             measures = []
             for index in range(len(case.measures)):
                 row = worst(mine, index)
