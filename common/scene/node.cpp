@@ -2,9 +2,12 @@
 #include "common/scene/node.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <charconv>
+#include <optional>
+#include <sstream>
 
 #include "common/scene/nearest.h"
 
@@ -149,19 +152,53 @@ Result<Node*> walk(Node& root, std::string_view path, const Place& place, int ra
   return node;
 }
 
+/// Where a second document starts. YAML::LoadAll would build all of them, and there are damaged files in which it finds
+/// documents without end.
+class SecondDocument : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override { ++count_; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& at, YAML::anchor_t) override { see(at); }
+  void OnAlias(const YAML::Mark& at, YAML::anchor_t) override { see(at); }
+  void OnScalar(const YAML::Mark& at, const std::string&, YAML::anchor_t, const std::string&) override { see(at); }
+  void OnSequenceStart(const YAML::Mark& at, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    see(at);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& at, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    see(at);
+  }
+  void OnMapEnd() override {}
+
+  /// Nothing if there is none.
+  static std::optional<YAML::Mark> find(const std::string& text) {
+    std::istringstream in(text);
+    YAML::Parser parser(in);
+    SecondDocument look;
+    if (!parser.HandleNextDocument(look) || !parser.HandleNextDocument(look)) return std::nullopt;
+    return look.first_;
+  }
+
+ private:
+  void see(const YAML::Mark& at) {
+    if (count_ == 2 && !first_) first_ = at;
+  }
+  int count_ = 0;
+  std::optional<YAML::Mark> first_;
+};
+
 }  // namespace
 
 Result<Node> parse_yaml(const std::string& text, const std::string& file) {
   try {
-    const auto documents = YAML::LoadAll(text);
-    if (documents.empty() || documents.front().IsNull()) {
+    const YAML::Node document = YAML::Load(text);
+    if (!document || document.IsNull()) {
       return error_at({file, 0, 0}, "the file is empty", "Start it with 'ballast: 1'.");
     }
-    if (documents.size() > 1) {
-      return error_at(place_of(documents[1].Mark(), file), "a second document starts here",
-                      "Remove the line '---' before it.");
+    if (const auto second = SecondDocument::find(text)) {
+      return error_at(place_of(*second, file), "a second document starts here", "Remove the line '---' before it.");
     }
-    return Converter(file).convert(documents.front());
+    return Converter(file).convert(document);
   } catch (const YAML::Exception& error) {
     return error_at(place_of(error.mark, file), fmt::format("YAML syntax: {}", error.msg),
                     "Look at indentation, brackets and quotes here and just above.");
