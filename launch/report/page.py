@@ -8,7 +8,7 @@ from jinja2 import Environment, FileSystemLoader
 from case import LEVELS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, points_of, times_to_targets
-from metrics import time_to_reach
+from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
 from runs import Place
 
@@ -34,43 +34,44 @@ def speed(value: float | None) -> str:
     return f"{value / 1e6:.2g} M" if value else ""
 
 
+def settings(rows: list[dict]) -> list[tuple[float, float]]:
+    """(wall time, headline error) of one method, coarse to fine: the largest over the variants, which all must have one."""
+    points = []
+    for h in sorted({r["h"] for r in rows}, reverse=True):
+        mine = [r for r in rows if r["h"] == h]
+        pairs = [(r["wall_s"], headline(r)["value"]) for r in points_of(mine)]
+        if len(pairs) == len(mine) and max(e for _, e in pairs) > 0:
+            points.append((max(t for t, _ in pairs), max(e for _, e in pairs)))
+    return points
+
+
 def error_chart(case: Case, rows: list[dict]) -> str:
-    """Headline error against wall time, log-log; all settings, resolutions of one setting joined."""
+    """Headline error against wall time, log-log; resolutions of one method joined, over the variants the worst."""
     measure = case.measures[0]
     plot = Plot(
         "wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True
     )
     scale = 100 if measure.unit == "%" else 1
-    shown = [r for r in points_of(rows) if headline(r)["value"] > 0]
-    titled = set()
-    for group in dict.fromkeys(r["group"] for r in shown):
-        members = sorted((r for r in shown if r["group"] == group), key=lambda r: -r["h"])
-        method = members[0]["method"]
-        title = "" if method in titled else method
-        titled.add(method)
-        plot.lines.append(
-            Line(
-                title,
-                [r["wall_s"] for r in members],
-                [scale * headline(r)["value"] for r in members],
-                f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.6 lw 1",
-            )
-        )
-    front = [r for r in shown if r.get("pareto")]
-    if len(case.variants) == 1 and len(front) > 0:
-        front.sort(key=lambda r: r["wall_s"])
-        xs, ys = [r["wall_s"] for r in front], [scale * headline(r)["value"] for r in front]
-        plot.lines[:0] = [
-            Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"),
-            Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
-        ]
+    every = []
+    for method in dict.fromkeys(r["method"] for r in rows):
+        points = settings([r for r in rows if r["method"] == method])
+        every += points
+        style = f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.7 lw 1.2"
+        plot.lines.append(Line(method, [t for t, _ in points], [scale * e for _, e in points], style))
+    front = [every[i] for i in pareto_front(every)]
+    xs, ys = [t for t, _ in front], [scale * e for _, e in front]
+    plot.lines[:0] = [
+        Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"),
+        Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
+    ]
+    plot.lines = [line for line in plot.lines if line.x]
     targets = dict.fromkeys(measure.targets)
     plot.levels = [
         (scale * t, f"target {level}" if len(targets) > 1 else "target")
         for t, level in zip(targets, LEVELS[1:])
         if any(r["level"] == level for r in rows) or level == "10s"
     ]
-    return draw(plot) if shown else ""
+    return draw(plot) if every else ""
 
 
 def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tuple[str, str]:
@@ -123,8 +124,10 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
                 )
             )
     exact = [v for line in plot.lines if line.style.startswith(("points pt 6", "lines lc")) for v in line.y]
-    if exact:  # a run that goes astray is cut off, so that the others can be seen
-        room = max(max(exact) - min(exact), 1e-3 * max(abs(v) for v in exact), 1e-12)
+    if exact and max(exact) - min(exact) > 1e-3 * max(
+        abs(v) for v in exact
+    ):  # a run that goes astray is cut off, so that the others can be seen
+        room = max(exact) - min(exact)
         plot.y_range = (min(exact) - room, max(exact) + room)
     return draw(plot) if with_curve else "", missing
 
