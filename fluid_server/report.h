@@ -16,6 +16,8 @@ class Report {
  public:
   Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir);
 
+  /// For the record and for monitors.
+  void warn(std::string text);
   /// Books the search for the starting pressure.
   void quiet(const QuietReport& quiet);
   /// Books one finished step.
@@ -31,6 +33,17 @@ class Report {
   void write_final(std::span<const exchange::BodyState> states, std::uint32_t threads);
   /// Particles and bodies of a run that diverged, for ParaView: OUT/post_mortem.
   Status write_post_mortem(std::span<const exchange::BodyState> states, double time) const;
+  /// For checkpoints: the whole run's sums and warnings. Warnings that a resumed run takes over are sent once more.
+  template <class A>
+  void state(A& a) {
+    a("limits", limits_), a("impulse", impulse_), a("impulse_scale", impulse_scale_);
+    a("impulse_total", impulse_total_), a("quiet", quiet_), a("start", start_), a("last", last_);
+    a("steps_since_measure", steps_since_measure_), a("error_mean_sum", error_mean_sum_), a("error_max", error_max_);
+    a("worst_mach", worst_mach_), a("error_count", error_count_), a("lost_seen", lost_seen_);
+    a("warnings", warnings_);
+    if (vtk_) a("vtk", *vtk_);
+  }
+
   /// Largest speed over sound speed so far.
   double worst_mach() const { return worst_mach_; }
   std::string json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
@@ -38,7 +51,6 @@ class Report {
 
  private:
   void warn_of_thin_solids();
-  void warn(std::string text);
 
   const Scene& scene_;
   const std::vector<Body>& bodies_;

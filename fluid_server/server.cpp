@@ -7,6 +7,8 @@
 #include <cmath>
 #include <thread>
 
+#include "common/checkpoint/part.h"
+#include "common/checkpoint/state.h"
 #include "common/exchange/hash.h"
 #include "common/geometry/bodies.h"
 #include "common/scene/reader.h"
@@ -47,18 +49,24 @@ class Server {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       states_.push_back(initial_state(scene_.models[b], bodies_[b], scene_.world.gravity));
     limits_ = step_limits(scene_, bodies_, *fluid_);
+    due_ = checkpoint::Due(segment.checkpoint_every());
     if (MonitorFrames::wanted(segment)) monitor_ = std::make_unique<MonitorFrames>(segment, scene_, *fluid_);
   }
 
   Status run() {
+    const bool resumed = !segment_.resume_dir().empty();
+    if (resumed)
+      if (auto s = resume(); !s) return s;
     if (coupled_) {
-      auto answer = link_.receive(0, 0, states_);
+      auto answer = link_.receive(step_, 0, states_);
       if (!answer) return answer.error();
       engine_bound_ = answer->max_dt;
     }
     link_.beat();
-    report_.quiet(fluid_->quiet_start(states_));
-    if (auto s = rows(true); !s) return s;
+    if (!resumed) {
+      report_.quiet(fluid_->quiet_start(states_));
+      if (auto s = rows(true); !s) return s;
+    }
     const double end = scene_.world.duration;
     while (time_ < end * (1 - 1e-12) && !stopped_) {
       if (auto s = one_step(end); !s) return s;
@@ -107,7 +115,46 @@ class Server {
     r.wall_wait = link_.seconds_waited() - waited;
     r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
     if (auto s = link_.report(r); !s) return s;
-    return rows(false);
+    if (auto s = rows(false); !s) return s;
+    return due_.at(time_) && time_ < end * (1 - 1e-12) ? write_checkpoint() : ok();
+  }
+
+  /// For checkpoints; the rigid process knows the bodies.
+  template <class A>
+  void state(A& a) {
+    a("step", step_), a("time", time_), a("last_row", last_row_), a("last_row_time", last_row_time_);
+    a("simd", simd_), a("fluid", *fluid_), a("report", report_);
+    if (!coupled_) a("states", states_);
+  }
+
+  Status write_checkpoint() {
+    checkpoint::StateWriter writer;
+    state(writer);
+    link_.beat();
+    auto seal =
+        checkpoint::write_part(checkpoint::folder_of(segment_.out_dir(), step_), checkpoint::kFluidPart, writer.take());
+    if (!seal) return seal.error();
+    return link_.checkpoint(step_, time_, {seal->bytes, seal->hash});
+  }
+
+  Status resume() {
+    auto part = checkpoint::read_part(segment_.resume_dir(), checkpoint::kFluidPart);
+    if (!part) return part.error();
+    checkpoint::StateReader reader(*part);
+    state(reader);
+    if (auto s = reader.status(); !s) return s;
+    if (step_ != segment_.first_step())
+      return Error{
+          fmt::format("the fluid's part of the checkpoint is of step {}, not {}", step_, segment_.first_step()),
+          "resume from another checkpoint", segment_.resume_dir()};
+    if (simd_ != simd_name())
+      report_.warn(
+          fmt::format("the checkpoint was written with {}, this processor uses {}: the continued run may differ "
+                      "in the last bits",
+                      simd_, simd_name()));
+    simd_ = simd_name();
+    due_ = checkpoint::Due(segment_.checkpoint_every(), time_);
+    return ok();
   }
 
   /// The step itself; reads like the one in the folder's README.
@@ -171,6 +218,8 @@ class Server {
   double time_ = 0;
   std::int64_t last_row_ = -1;
   double last_row_time_ = -1;
+  checkpoint::Due due_;
+  std::string simd_ = simd_name();
 };
 
 }  // namespace
@@ -187,8 +236,9 @@ Status serve(exchange::Segment& segment) {
   if (!bodies) return fail(bodies.error());
   const int threads = segment.threads() ? static_cast<int>(segment.threads())
                                         : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  auto fluid = WcsphFluid::make(*scene, *bodies, threads,
-                                [link = std::make_shared<exchange::FluidLink>(segment)] { link->beat(); });
+  auto fluid = WcsphFluid::make(
+      *scene, *bodies, threads, [link = std::make_shared<exchange::FluidLink>(segment)] { link->beat(); },
+      segment.resume_dir().empty());
   if (!fluid) return fail(fluid.error());
   Server server(segment, *std::move(scene), *std::move(bodies), *std::move(fluid));
   const Status outcome = server.run();

@@ -95,6 +95,8 @@ Status Collector::take(Role role, const Frame& frame) {
     case FrameKind::kContacts:
     case FrameKind::kParticles:
       return ok();  // for monitors only
+    case FrameKind::kCheckpoint:
+      return ok();  // checkpoint.cpp counts the parts
   }
   return Error{fmt::format("the {} sent a frame of unknown kind {}", exchange::role_name(role),
                            static_cast<std::uint32_t>(frame.head.kind)),
@@ -141,6 +143,43 @@ Status Collector::take_dry_probes(double time, std::span<const double> bodies) {
   }
   probes_.add(time, row);
   return probes_file_.row(time, row);
+}
+
+Collector::Mark Collector::mark(Role role) const {
+  return {bodies_.rows(), probes_.rows(), warnings_.size(), totals(role)};
+}
+
+Collector::Snapshot Collector::snapshot(const Mark& fluid, const Mark& rigid) const {
+  // Without a fluid process the rows of probes come from the bodies.
+  const Mark& probes = fluid_ ? fluid : rigid;
+  const auto first = [](const std::vector<double>& values, std::size_t count) {
+    return std::vector<double>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  Snapshot out{first(bodies_.times, rigid.body_rows),
+               first(bodies_.values, rigid.body_rows * bodies_.columns.size()),
+               first(probes_.times, probes.probe_rows),
+               first(probes_.values, probes.probe_rows * probes_.columns.size()),
+               {fluid.totals, rigid.totals},
+               {}};
+  for (StepTotals& totals : out.totals) totals.compute_s = totals.wait_s = 0;
+  const std::size_t warnings = std::max(fluid.warnings, rigid.warnings);
+  out.warnings.assign(warnings_.begin(), warnings_.begin() + static_cast<std::ptrdiff_t>(warnings));
+  return out;
+}
+
+void Collector::go_on(const Snapshot& from) {
+  const auto fill = [](Table& table, CsvFile& file, std::span<const double> times, std::span<const double> values) {
+    const std::size_t n = table.columns.size();
+    for (std::size_t row = 0; row < times.size(); ++row) {
+      table.add(times[row], values.subspan(row * n, n));
+      file.row(times[row], values.subspan(row * n, n));
+    }
+  };
+  fill(bodies_, bodies_file_, from.body_times, from.body_values);
+  fill(probes_, probes_file_, from.probe_times, from.probe_values);
+  totals_ = from.totals;
+  warnings_ = from.warnings;
+  lockstep_.go_on(totals_[fluid_ ? 0 : 1].last.step);
 }
 
 Status Collector::close() {

@@ -52,6 +52,29 @@ class Collector {
   /// Takes the names of the closed files away again: a run whose record cannot be written has no whole outputs.
   void unfinish();
 
+  /// What has come from all processes up to one step; wall times are not in it.
+  struct Snapshot {
+    std::vector<double> body_times, body_values, probe_times, probe_values;
+    std::array<StepTotals, 2> totals{};
+    std::vector<std::string> warnings;
+    template <class A>
+    void state(A& a) {
+      a("body_times", body_times), a("body_values", body_values);
+      a("probe_times", probe_times), a("probe_values", probe_values);
+      a("totals", totals), a("warnings", warnings);
+    }
+  };
+  /// How much of it there is at a moment, so that a snapshot of that moment can be made later.
+  struct Mark {
+    std::size_t body_rows = 0, probe_rows = 0, warnings = 0;
+    StepTotals totals{};  ///< of the process that the mark was set for
+  };
+  Mark mark(exchange::Role role) const;
+  /// The rows of bodies as at one mark, those of probes as at another.
+  Snapshot snapshot(const Mark& fluid, const Mark& rigid) const;
+  /// Starts from a snapshot: rows go into the files again, totals and warnings go on.
+  void go_on(const Snapshot& snapshot);
+
   const Table& bodies() const { return bodies_; }
   const Table& probes() const { return probes_; }
   const StepTotals& totals(exchange::Role role) const { return totals_[static_cast<std::size_t>(role)]; }

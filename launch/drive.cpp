@@ -77,8 +77,9 @@ class Driver {
         collector_(collector),
         options_(options),
         progress_(options.quiet),
-        obey_(options.stop_after),
+        obey_(options.stop_after, options.resumed ? options.resumed->commands : json::array()),
         start_(Clock::now()) {
+    if (options.resumed) outcome_.resumed_after = options.resumed->step, outcome_.resumed_time = options.resumed->time;
     if (prepared.fluid) roles_.push_back(Role::kFluid);
     if (prepared.rigid) roles_.push_back(Role::kRigid);
   }
@@ -124,6 +125,8 @@ class Driver {
       Status drained = control_.drain(role, frames_);
       for (std::size_t i = 0; drained && i < frames_.size(); ++i) {
         drained = collector_.take(role, frames_[i]);
+        if (drained && options_.checkpoints && frames_[i].head.kind == exchange::FrameKind::kCheckpoint)
+          drained = options_.checkpoints->take(role, frames_[i], collector_, obey_.record());
         if (options_.publisher) options_.publisher->take(role, std::move(frames_[i]));
       }
       if (!drained) {
@@ -196,6 +199,7 @@ class Driver {
                     .limit = limit_name(totals.last),
                     .steps = totals.steps,
                     .particles = totals.last.particles,
+                    .first = outcome_.resumed_time,
                     .density_error = totals.last.error[0]});
   }
 
@@ -213,6 +217,7 @@ class Driver {
     s.last = totals.last;
     s.steps = totals.steps;
     s.wall = elapsed();
+    s.first_time = outcome_.resumed_time;
     for (Role role : roles_) {
       const StepTotals& own = collector_.totals(role);
       (role == Role::kFluid ? s.fluid : s.rigid) = {control_.pid(role), state_name(control_.state(role)), own.compute_s,
@@ -295,6 +300,10 @@ class Driver {
     }
     children_.end_all();
     look();
+    if (options_.checkpoints) {
+      options_.checkpoints->clear_unfinished();
+      outcome_.checkpoints = options_.checkpoints->written();
+    }
     outcome_.total_s = elapsed();
     if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
     if (commanded_) outcome_.stopped_after = done().step;

@@ -5,6 +5,7 @@
 
 #include "common/exchange/link.h"
 #include "common/result.h"
+#include "launch/checkpoint.h"
 #include "launch/children.h"
 #include "launch/collect.h"
 #include "launch/lcm_commands.h"
@@ -20,6 +21,9 @@ struct Outcome {
   nlohmann::json commands = nlohmann::json::array();  ///< those that came, with the step
   std::optional<std::uint64_t> stopped_after;         ///< step after which a command ended the run
   std::string message;                                ///< empty if fine
+  std::optional<std::uint64_t> resumed_after;         ///< step of the checkpoint that the run went on from
+  double resumed_time = 0;                            ///< s, of it
+  std::uint64_t checkpoints = 0;                      ///< written
   double wall_s = 0;                                  ///< from the start of the processes to the last step report
   double total_s = 0;                                 ///< ... to the end of both processes (pictures included)
   nlohmann::json fluid = nlohmann::json::object(), rigid = nlohmann::json::object();  ///< final reports
@@ -32,6 +36,8 @@ struct DriveOptions {
   std::optional<std::uint64_t> stop_after = {};  ///< replay of a run that was stopped: its last step
   Publisher* publisher = nullptr;                ///< null: nobody wants messages
   double timeout = 30;                           ///< s without a sign of life before a process counts as hung
+  CheckpointWriter* checkpoints = nullptr;       ///< null: none are written
+  const Checkpoint* resumed = nullptr;           ///< that the run goes on from
 };
 
 /// Drives a run whose processes have been started (or will be, by hand). Ctrl-C, SIGTERM and SIGHUP stop it in good

@@ -13,6 +13,8 @@ class Lockstep {
  public:
   explicit Lockstep(bool both) : both_(both) {}
   Status take(exchange::Role role, const exchange::StepReport& report);
+  /// The run starts after this step.
+  void go_on(std::uint64_t step) { reported_ = step; }
   /// Last step that every process of the run has reported.
   std::uint64_t reported() const { return reported_; }
 

@@ -54,6 +54,7 @@ constexpr Sugar kSugar[] = {
     {"--duration", "world.duration", "simulated time, e.g. 5s"},
     {"--spacing", "world.spacing", "particle spacing, e.g. 2cm"},
     {"--engine", "coupling.engine", "rigid engine: ode, free_body"},
+    {"--checkpoint", "output.checkpoint.every", "simulated time between checkpoints, e.g. 1s"},
     {"--scheme", "coupling.scheme", "coupling scheme: auto, interlinked, staggered"},
 };
 
@@ -63,8 +64,8 @@ struct SceneArguments {
   std::vector<std::string> sets;
   std::string short_values[std::size(kSugar)];
 
-  void add_to(CLI::App& command) {
-    command.add_option("SCENE", scene, "scene file, or name of a scene in scenes/")->required();
+  void add_to(CLI::App& command, bool needed = true) {
+    command.add_option("SCENE", scene, "scene file, or name of a scene in scenes/")->required(needed);
     command.add_option("--set", sets, "set a value of the scene, e.g. --set fluids.water.viscosity=0.1")
         ->type_name("PATH=VALUE");
     for (std::size_t i = 0; i < std::size(kSugar); ++i) {
@@ -113,6 +114,9 @@ struct RunArguments {
     run.add_flag("--lcm-commands", options.lcm_commands, "obey `ballast tell` from whoever sends there; with --lcm");
     run.add_option("--replay", options.replay, "record of a run stopped by a command: stop after the same step")
         ->type_name("RECORD");
+    run.add_option("--resume", options.resume,
+                   "go on from the newest checkpoint in this output folder (see --checkpoint)")
+        ->type_name("DIR");
     run.add_flag("--by-hand", options.by_hand, "print the commands of the two processes instead of starting them");
     run.add_flag("--quiet", options.quiet, "no progress, only the last five lines");
   }
@@ -193,7 +197,7 @@ int main(int argc, char** argv) {
   SceneArguments arguments;
   RunArguments wanted;
   CLI::App* run = app.add_subcommand("run", "simulate a scene; outputs go to out/<scene>");
-  arguments.add_to(*run);
+  arguments.add_to(*run, false);
   wanted.add_to(*run);
 
   CLI::App* check = app.add_subcommand("check", "read a scene, make its bodies, say what is wrong; no simulation");
@@ -221,6 +225,8 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    if (*run && arguments.scene.empty() && wanted.options.resume.empty())
+      throw CLI::RequiredError("SCENE, or --resume DIR,");
     wanted.options.overrides = arguments.overrides();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0)
@@ -237,7 +243,7 @@ int main(int argc, char** argv) {
   if (*tell) return launch::tell(command, tell_url);
   launch::RunOptions& options = wanted.options;
   wanted.spell_out();
-  if (*run || *check || *resolve || *plan) {
+  if (!arguments.scene.empty()) {
     const auto scene_file = find_scene(arguments.scene);
     if (!scene_file) {
       fmt::print(stderr, "ballast: {}\n", scene_file.error().text());

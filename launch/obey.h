@@ -18,7 +18,9 @@ struct RunCommand {
 class Obey {
  public:
   /// A run that is replayed ends after the step after which the first one was stopped.
-  explicit Obey(std::optional<std::uint64_t> stop_after = {}) : stop_after_(stop_after) {}
+  /// One that is resumed begins with the commands up to its checkpoint.
+  explicit Obey(std::optional<std::uint64_t> stop_after = {}, nlohmann::json record = nlohmann::json::array())
+      : stop_after_(stop_after), record_(std::move(record)) {}
 
   /// Takes a command when `done` steps are done; each is recorded, one that makes no sense with the reason.
   void take(const RunCommand& command, std::uint64_t done, double time);
@@ -35,7 +37,7 @@ class Obey {
   std::optional<std::uint64_t> stop_after_;
   bool paused_ = false, stop_ = false;
   std::uint64_t paused_at_ = 0;
-  nlohmann::json record_ = nlohmann::json::array();
+  nlohmann::json record_;
 };
 
 /// The step after which a recorded run was stopped by a command.

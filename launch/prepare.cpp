@@ -37,6 +37,10 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
     out.push_back({"messages of particles", "output.lcm_particles is 0", "a pass over the particles per output time",
                    "none: monitors only watch"});
   }
+  if (!(scene.output.checkpoint_every > 0)) {
+    out.push_back({"checkpoints", "output.checkpoint.every is 0 (--checkpoint TIME)",
+                   "a file of the state per process and interval", "none; a run that is killed starts anew"});
+  }
   if (!scene.output.vtk) out.push_back({"ParaView files", "output.vtk is false", "two files per output time", "none"});
   if (!scene.output.picture)
     out.push_back({"picture.png", "output.picture is false", "one rendering at the end", "none"});
@@ -224,9 +228,13 @@ double estimate_particles(const Prepared& prepared) {
 Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrides) {
   auto scene = read_scene(scene_file, overrides);
   if (!scene) return scene.error();
-  auto bodies = make_bodies(*scene);
+  return prepare(std::move(*scene), scene_file);
+}
+
+Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
+  auto bodies = make_bodies(scene);
   if (!bodies) return bodies.error();
-  Prepared out{std::move(*scene), std::move(*bodies), false, false, {}};
+  Prepared out{std::move(scene), std::move(*bodies), false, false, {}};
   out.fluid = !out.scene.fluids.empty();
   out.rigid = std::ranges::any_of(out.scene.models, [](const Model& m) { return m.motion != Motion::kStatic; });
   if (!out.fluid && !out.rigid) {

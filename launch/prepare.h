@@ -29,6 +29,8 @@ Status check_probes(const Scene& scene, const std::vector<Body>& bodies);
 
 /// Reads and checks a scene and makes its bodies. A scene without fluid and without moving bodies is an error.
 Result<Prepared> prepare(const std::string& scene_file, const Overrides& overrides);
+/// The same from a scene that was read already; `scene_file` is for messages.
+Result<Prepared> prepare(Scene scene, const std::string& scene_file);
 
 /// Particles that the fills will hold, by sampling (to about 1 %): fill volume less the bodies in it, over
 /// spacing^dimension.

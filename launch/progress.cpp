@@ -13,8 +13,9 @@ std::string progress_text(const ProgressState& s) {
   const double done = s.duration > 0 ? std::min(1.0, s.time / s.duration) : 1;
   std::string text = fmt::format("{:3.0f} %  {:.3f}/{:g} s", 100 * done, s.time, s.duration);
   if (s.steps == 0) return text + fmt::format("  preparing, {:.0f} s", s.wall);
-  if (s.wall > 0) text += fmt::format("  {:.3g} x real time", s.time / s.wall);
-  if (done > 0.02 && done < 1) text += fmt::format("  {:.0f} s left", s.wall * (1 - done) / done);
+  if (s.wall > 0) text += fmt::format("  {:.3g} x real time", (s.time - s.first) / s.wall);
+  if (done > 0.02 && done < 1 && s.time > s.first)
+    text += fmt::format("  {:.0f} s left", s.wall * (s.duration - s.time) / (s.time - s.first));
   text += fmt::format("  step {:.3g} ms", 1e3 * s.dt);
   if (!s.limit.empty()) text += fmt::format(" ({})", s.limit);
   if (s.particles > 0)

@@ -11,6 +11,7 @@ struct ProgressState {
   double time = 0, duration = 0, dt = 0, wall = 0;  ///< s
   std::string limit;                                ///< what limits dt; empty if nothing is known
   std::uint64_t steps = 0, particles = 0;
+  double first = 0;          ///< s, simulated time at the start: not 0 where a run is resumed
   double density_error = 0;  ///< relative, mean over the particles
 };
 

@@ -91,6 +91,7 @@ struct Publisher::Worker {
         break;
       case FrameKind::kStep:
       case FrameKind::kProbes:
+      case FrameKind::kCheckpoint:
         break;  // take() lets neither through
     }
     ++number;

@@ -17,7 +17,8 @@ struct RunStatus {
   std::string state;            ///< starting, running, paused, finished, failed
   exchange::StepReport last{};  ///< of the fluid, or of the rigid process alone
   std::uint64_t steps = 0;
-  double wall = 0;  ///< s since the start
+  double wall = 0;        ///< s since the start
+  double first_time = 0;  ///< s, simulated at the start: not 0 where a run is resumed
   struct Process {
     int pid = 0;
     std::string state = "none";    ///< none, absent, running, finished, dead

@@ -158,7 +158,7 @@ status_t status_message(const MessageFacts& facts, const RunStatus& s, const std
   m.step_limit = facts.fluid ? limit : "coupling.rigid_step";
   m.wall = s.wall;
   m.real_time_factor = speed.update(s.last.time, s.wall);
-  m.real_time_factor_mean = s.wall > 0 ? s.last.time / s.wall : 0;
+  m.real_time_factor_mean = s.wall > 0 && s.steps > 0 ? (s.last.time - s.first_time) / s.wall : 0;
   m.density_error_mean = s.last.error[0];
   m.density_error_max = s.last.error[1];
   m.pressure_residual = s.last.error[2];

@@ -219,12 +219,21 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   record["simulated_s"] = totals.last.time;
   record["wall_s"] = outcome.wall_s;
   record["total_s"] = outcome.total_s;
-  record["real_time_factor"] = outcome.wall_s > 0 ? json(totals.last.time / outcome.wall_s) : json(nullptr);
+  const double simulated = totals.last.time - outcome.resumed_time;
+  record["real_time_factor"] = outcome.wall_s > 0 ? json(simulated / outcome.wall_s) : json(nullptr);
   record["steps"] = totals.steps;
+  const std::uint64_t done = totals.steps - outcome.resumed_after.value_or(0);
+  if (outcome.resumed_after)
+    record["resumed"] = {{"after_step", *outcome.resumed_after},
+                         {"time_s", outcome.resumed_time},
+                         {"covers",
+                          "all but wall times: wall_s, total_s, stages, exchange_s and what follows from them "
+                          "are since then"}};
+  if (outcome.checkpoints > 0) record["checkpoints"] = outcome.checkpoints;
   record["particles"] = get(fluid, "particles");
   const json count = get(record["particles"], "fluid");
   record["particle_steps_per_s"] = count.is_number() && outcome.wall_s > 0
-                                       ? json(count.get<double>() * static_cast<double>(totals.steps) / outcome.wall_s)
+                                       ? json(count.get<double>() * static_cast<double>(done) / outcome.wall_s)
                                        : json(nullptr);
   record["rss_bytes"] = {{"fluid", get(fluid, "rss_bytes")}, {"rigid", get(rigid, "rss_bytes")}};
   record["bodies"] = scene.models.size();
@@ -269,6 +278,9 @@ std::vector<std::string> summary_lines(const json& r, const std::string& out_dir
   std::string speed = fmt::format("simulated {:.4g} s in {:.3g} s ({} x real time), {} steps",
                                   r["simulated_s"].get<double>(), r["wall_s"].get<double>(),
                                   number_text(r["real_time_factor"], "{:.3g}"), r["steps"].get<std::uint64_t>());
+  if (r.contains("resumed"))
+    speed += fmt::format(" (resumed at {:.4g} s, step {})", r["resumed"]["time_s"].get<double>(),
+                         r["resumed"]["after_step"].get<std::uint64_t>());
   if (r["particle_steps_per_s"].is_number())
     speed += ", " + number_text(r["particle_steps_per_s"], "{:.3g}") + " particle-steps/s";
   std::string size =

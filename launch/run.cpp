@@ -43,8 +43,9 @@ int fail(const Error& error) {
 /// The outputs' folder, held by this run alone while it lives.
 class OutDir {
  public:
-  /// Makes the folder and removes what an earlier run left there under the names that this run writes.
-  static Result<OutDir> make(const std::string& wanted, const std::string& scene);
+  /// Makes the folder and removes what an earlier run left there under the names that this run writes. A run that goes
+  /// on keeps the checkpoints up to its own, and the ParaView files.
+  static Result<OutDir> make(const std::string& wanted, const std::string& scene, const Checkpoint* resumed);
   OutDir(OutDir&& other) noexcept : path(std::move(other.path)), file_(std::exchange(other.file_, -1)) {}
   OutDir& operator=(OutDir&&) = delete;
   ~OutDir() {
@@ -57,7 +58,20 @@ class OutDir {
   int file_;  // the folder itself, locked
 };
 
-Result<OutDir> OutDir::make(const std::string& wanted, const std::string& scene) {
+/// Those after the one that a run goes on from, or all.
+void remove_checkpoints(const fs::path& dir, const Checkpoint* resumed) {
+  std::error_code failed;
+  const fs::path keep = resumed ? fs::path(resumed->folder).filename() : fs::path();
+  std::vector<fs::path> gone;
+  for (fs::directory_iterator it(dir / checkpoint::kFolder, failed), end; !failed && it != end; it.increment(failed))
+    if (it->path().filename() > keep) gone.push_back(it->path());
+  for (const fs::path& folder : gone) fs::remove_all(folder, failed);
+  if (resumed) return;
+  if (!gone.empty()) fmt::print("removed the checkpoints of an earlier run in {}\n", dir.string());
+  fs::remove(dir / checkpoint::kFolder, failed);
+}
+
+Result<OutDir> OutDir::make(const std::string& wanted, const std::string& scene, const Checkpoint* resumed) {
   std::error_code failed;
   const fs::path dir = fs::absolute(wanted.empty() ? fs::path("out") / scene : fs::path(wanted)).lexically_normal();
   fs::create_directories(dir, failed);
@@ -74,7 +88,9 @@ Result<OutDir> OutDir::make(const std::string& wanted, const std::string& scene)
     fs::remove(dir / name, failed);
     fs::remove(dir / (std::string(name) + ".part"), failed);
   }
-  for (fs::directory_iterator it(dir / "vtk", failed), end; !failed && it != end; it.increment(failed)) {
+  const bool goes_on = resumed && fs::path(resumed->out) == dir;
+  remove_checkpoints(dir, goes_on ? resumed : nullptr);
+  for (fs::directory_iterator it(dir / "vtk", failed), end; !goes_on && !failed && it != end; it.increment(failed)) {
     const std::string name = it->path().filename().string();
     if (name.ends_with(".vtp") || name.ends_with(".pvd")) fs::remove(it->path(), failed);
   }
@@ -209,6 +225,30 @@ void print_warnings(const nlohmann::json& warnings) {
   if (warnings.size() > kShown) say(stderr, "ballast: {} more warnings in record.json\n", warnings.size() - kShown);
 }
 
+/// The checkpoint to go on from, where one was asked for; says which newer ones were refused.
+Result<std::optional<Checkpoint>> find_checkpoint(const RunOptions& options) {
+  if (options.resume.empty()) return std::optional<Checkpoint>();
+  auto found = newest_checkpoint(options.resume);
+  if (!found) return found.error();
+  for (const std::string& reason : found->refused) fmt::print(stderr, "ballast: warning: refused {}\n", reason);
+  fmt::print("resuming {} after step {}, t = {:.6g} s\n", found->scene_name, found->step, found->time);
+  std::fflush(stdout);
+  return std::optional(std::move(*found));
+}
+
+Result<Prepared> prepare_run(const RunOptions& options, const std::optional<Checkpoint>& resumed) {
+  if (!resumed) return prepare(options.scene, options.overrides);
+  const std::string name = resumed->scene_name + ".yaml";
+  auto scene = options.scene.empty() ? read_scene_text(resumed->scene_text, name, options.overrides)
+                                     : read_scene(options.scene, options.overrides);
+  if (!scene) return scene.error();
+  if (auto same = same_scene(*resumed, *scene); !same) return same.error();
+  const std::string& out = options.out;
+  if (scene->output.vtk && !out.empty() && fs::absolute(out).lexically_normal() != fs::path(resumed->out))
+    return Error{"a run with ParaView files can only go on in its own folder", "leave --out away", "--out"};
+  return prepare(std::move(*scene), name);
+}
+
 /// Judges, writes the record, prints the end of the run.
 int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, const RunOptions& options,
              const std::string& out_dir) {
@@ -264,11 +304,15 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
 }  // namespace
 
 int run(const RunOptions& options) {
-  auto prepared = prepare(options.scene, options.overrides);
+  auto resumed = find_checkpoint(options);
+  if (!resumed) return fail(resumed.error());
+  const Checkpoint* from = *resumed ? &**resumed : nullptr;
+  auto prepared = prepare_run(options, *resumed);
   if (!prepared) return fail(prepared.error());
   auto lcm = plan_lcm(options, *prepared);
   if (!lcm) return fail(lcm.error());
-  auto folder = OutDir::make(options.out, prepared->scene.name);
+  const std::string wanted = options.out.empty() && from ? from->out : options.out;
+  auto folder = OutDir::make(wanted, prepared->scene.name, from);
   if (!folder) return fail(folder.error());
   const std::string& out_dir = folder->path;
   for (const std::string& name : Segment::remove_stale()) {
@@ -282,6 +326,7 @@ int run(const RunOptions& options) {
   }
   auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, out_dir);
   if (!collector) return fail(collector.error());
+  if (from) collector->go_on(from->collected);
 
   exchange::SegmentPlan plan;
   plan.manifest = make_manifest(prepared->scene, prepared->bodies);
@@ -292,6 +337,8 @@ int run(const RunOptions& options) {
   plan.rigid = prepared->rigid;
   plan.named = options.by_hand;
   plan.peer_timeout = options.timeout;
+  plan.checkpoint_every = prepared->scene.output.checkpoint_every;
+  if (from) plan.first_step = from->step, plan.resume_dir = from->folder;
   if (!lcm->url.empty()) plan.monitor = Publisher::frames_wanted(*prepared);
   const std::string name = Segment::make_name();
   auto segment = Segment::create(name, plan);
@@ -300,9 +347,10 @@ int run(const RunOptions& options) {
   Children children;
   if (Status s = start_or_print(children, *prepared, segment->path(), options, out_dir); !s) return fail(s.error());
   if (Status s = open_lcm(*lcm, options, *prepared); !s) return fail(s.error());
-  Outcome outcome = drive(
-      *segment, children, *prepared, *collector,
-      {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get(), options.timeout});
+  CheckpointWriter checkpoints(*prepared, out_dir);
+  Outcome outcome = drive(*segment, children, *prepared, *collector,
+                          {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get(),
+                           options.timeout, plan.checkpoint_every > 0 ? &checkpoints : nullptr, from});
   return conclude(*prepared, outcome, *collector, options, out_dir);
 }
 

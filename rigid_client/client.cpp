@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/checkpoint/part.h"
+#include "common/checkpoint/state.h"
 #include "common/exchange/hash.h"
 #include "rigid_client/client_report.h"
 #include "rigid_client/engine.h"
@@ -30,7 +32,12 @@ class Stopwatch {
 class Client {
  public:
   Client(exchange::Segment& segment, std::unique_ptr<Engine> engine)
-      : link_(segment), manifest_(segment.manifest()), engine_(std::move(engine)), report_(manifest_) {}
+      : segment_(segment),
+        link_(segment),
+        manifest_(segment.manifest()),
+        engine_(std::move(engine)),
+        report_(manifest_),
+        due_(segment.checkpoint_every()) {}
 
   Status run(bool coupled) {
     Stopwatch watch;
@@ -38,15 +45,19 @@ class Client {
     states_.resize(manifest_.bodies.size());
     wrenches_.assign(states_.size(), exchange::Wrench{});
     look();
+    if (!segment_.resume_dir().empty()) {
+      if (auto resumed = resume(); !resumed) return resumed;
+    } else {
+      if (auto begun = report_.begin(link_, states_); !begun) return begun;
+      if (const std::string lacks = engine_->lacks(); !lacks.empty() && manifest_.shapes.size() > 1)
+        report_.warn(link_, lacks);
+    }
     timing_.start_s = watch.seconds();
-    if (auto begun = report_.begin(link_, states_); !begun) return begun;
-    if (const std::string lacks = engine_->lacks(); !lacks.empty() && manifest_.shapes.size() > 1)
-      report_.warn(link_, lacks);
     return coupled ? follow() : run_alone();
   }
 
   Status finish(const Status& outcome) {
-    Status sent = outcome ? flush() : ok();
+    Status sent = outcome ? flush(false) : ok();
     if (outcome && sent) sent = report_.last(link_);
     const Status& end = outcome ? sent : outcome;
     timing_.waiting_s = link_.seconds_waited();
@@ -61,6 +72,8 @@ class Client {
   /// taken back, the last one too.
   Status follow() {
     exchange::Answer answer{};
+    answer.step = segment_.first_step();
+    answer.time = time_;
     answer.max_dt = std::numeric_limits<double>::infinity();
     answer.hash = exchange::state_hash(states_);
     if (auto sent = link_.send(answer, states_); !sent) return sent;
@@ -82,7 +95,7 @@ class Client {
       answer.time = next_.report.time;
       answer.hash = next_.report.hash;
       if (auto sent = link_.send(answer, states_); !sent) return sent;
-      if (auto sent = flush(); !sent) return sent;
+      if (auto sent = flush(); !sent) return sent;  // saved_ is still the state at the end of the step reported here
       keep();
       if (order->contacts_lost > 0)
         report_.warn(link_, "contact patches were merged since their ring was full; wrenches are exact");
@@ -92,7 +105,7 @@ class Client {
   Status run_alone() {
     const double dt = manifest_.world->rigid_step, duration = manifest_.world->duration;
     const auto steps = static_cast<std::uint64_t>(std::ceil(duration / dt * (1 - 1e-12)));
-    for (std::uint64_t step = 1; step <= steps; ++step) {
+    for (std::uint64_t step = segment_.first_step() + 1; step <= steps; ++step) {
       const double waited = link_.seconds_waited();
       auto credit = link_.await_credit(step);
       if (!credit) return credit.error();
@@ -103,7 +116,8 @@ class Client {
       if (auto stepped = advance(step, 0, time, length); !stepped) return stepped;
       next_.report.wall_wait = link_.seconds_waited() - waited;
       keep();
-      if (auto sent = flush(); !sent) return sent;
+      if (due_possible() && step < steps) engine_->save(saved_);
+      if (auto sent = flush(step < steps); !sent) return sent;
     }
     return ok();
   }
@@ -158,17 +172,57 @@ class Client {
     has_pending_ = true;
   }
 
-  /// Reports the step kept before, which can no longer be taken back.
-  Status flush() {
+  /// Reports the step kept before, which can no longer be taken back. `more`: another one follows, so that a checkpoint
+  /// has a use; saved_ is the engine's state at the end of the step.
+  Status flush(bool more = true) {
     if (!has_pending_) return ok();
     Stopwatch watch;
     has_pending_ = false;
-    const Status sent = report_.accept(link_, pending_);
+    Status sent = report_.accept(link_, pending_);
+    time_ = pending_.report.time;
+    if (sent && more && due_.at(time_)) sent = write_checkpoint();
     timing_.report_s += watch.seconds();
     return sent;
   }
 
+  bool due_possible() const { return segment_.checkpoint_every() > 0; }
+
+  template <class A>
+  void state(A& a) {
+    a("time", time_), a("engine", saved_), a("report", report_);
+  }
+
+  Status write_checkpoint() {
+    const std::uint64_t step = pending_.report.step;
+    checkpoint::StateWriter writer;
+    state(writer);
+    auto seal =
+        checkpoint::write_part(checkpoint::folder_of(segment_.out_dir(), step), checkpoint::kRigidPart, writer.take());
+    if (!seal) return seal.error();
+    return link_.checkpoint(step, time_, {seal->bytes, seal->hash});
+  }
+
+  Status resume() {
+    auto part = checkpoint::read_part(segment_.resume_dir(), checkpoint::kRigidPart);
+    if (!part) return part.error();
+    checkpoint::StateReader reader(*part);
+    state(reader);
+    if (auto read = reader.status(); !read) return read;
+    if (auto restored = engine_->restore(saved_); !restored) return restored;
+    look();
+    const StepRecord& last = report_.last_step();
+    if (last.states.size() != states_.size() || last.report.step != segment_.first_step())
+      return Error{
+          fmt::format("the rigid process's part of the checkpoint is of step {} with {} bodies, not {} with {}",
+                      last.report.step, last.states.size(), segment_.first_step(), states_.size()),
+          "resume from another checkpoint", segment_.resume_dir()};
+    states_ = last.states;  // an engine knows the acceleration of its last substep only
+    due_ = checkpoint::Due(segment_.checkpoint_every(), time_);
+    return report_.warn_again(link_);
+  }
+
   Stopwatch wall_;
+  exchange::Segment& segment_;
   exchange::RigidLink link_;
   exchange::ManifestView manifest_;
   std::unique_ptr<Engine> engine_;
@@ -178,6 +232,8 @@ class Client {
   std::vector<exchange::Wrench> wrenches_;
   std::vector<exchange::Contact> contacts_;
   std::vector<std::byte> saved_;
+  checkpoint::Due due_;
+  double time_ = 0;  ///< s, at the end of the step reported last
   StepRecord next_, pending_;
   bool has_pending_ = false;  ///< pending_ holds a step that is not reported yet
 };

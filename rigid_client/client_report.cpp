@@ -112,6 +112,12 @@ void ClientReport::warn(exchange::Link& link, const std::string& text) {
     warnings_.push_back(sent.error().what);
 }
 
+Status ClientReport::warn_again(exchange::Link& link) const {
+  for (const std::string& text : warnings_)
+    if (auto sent = link.warning(last_.report.step, last_.report.time, text); !sent) return sent;
+  return ok();
+}
+
 // Bodies and axes in the fluid's order, so that both sums agree to the last bit.
 void ClientReport::count_momentum(const StepRecord& step) {
   const double dt = step.report.dt;

@@ -16,6 +16,11 @@ struct StepRecord {
   std::vector<exchange::Wrench> wrenches;
   std::size_t contacts = 0;
   double force_mismatch = 0;  ///< relative: sum of contact forces against the wrench, worst body
+  template <class A>
+  void state(A& a) {
+    a("report", report), a("states", states), a("wrenches", wrenches);
+    a("contacts", contacts), a("force_mismatch", force_mismatch);
+  }
 };
 
 /// Worst difference between a body's wrench and the sum of its contact forces, relative to the largest force of the
@@ -31,6 +36,20 @@ class ClientReport {
   Status accept(exchange::Link& link, const StepRecord& step);
   Status last(exchange::Link& link);
   void warn(exchange::Link& link, const std::string& text);
+  const StepRecord& last_step() const { return last_; }
+  /// Warnings that a resumed run takes over: once more to the coordinator.
+  Status warn_again(exchange::Link& link) const;
+
+  /// For checkpoints: the whole run's sums, and the last step, from which the next row and the next sum start.
+  template <class A>
+  void state(A& a) {
+    a("last", last_), a("last_row", last_row_), a("last_row_written", last_row_written_), a("steps", steps_);
+    a("contact_sets", contact_sets_), a("contacts", contacts_), a("force_mismatch_max", force_mismatch_max_);
+    a("impulse", impulse_), a("impulse_total", impulse_total_), a("impulse_scale", impulse_scale_);
+    a("energy_start", energy_start_), a("work", work_);
+    a("jitter_max", jitter_max_), a("jitter_sum", jitter_sum_), a("jitter_steps", jitter_steps_);
+    a("warnings", warnings_);
+  }
 
   struct Timing {
     double start_s = 0, engine_s = 0, read_s = 0, report_s = 0, waiting_s = 0, wall_s = 0;

@@ -46,6 +46,8 @@ bool good_size(const FrameHead& head) {
     case FrameKind::kParticles:
       return head.bytes >= sizeof(ParticleSetHead) &&
              (head.bytes - sizeof(ParticleSetHead)) % sizeof(ParticleSample) == 0;
+    case FrameKind::kCheckpoint:
+      return head.bytes == sizeof(CheckpointPart);
   }
   return false;
 }
@@ -68,6 +70,11 @@ FluidStatistics Frame::fluid() const {
   FluidStatistics out{};
   if (payload.size() == sizeof out) std::memcpy(&out, payload.data(), sizeof out);
   out.limit[sizeof out.limit - 1] = 0;  // the sender is not trusted to have ended its text
+  return out;
+}
+CheckpointPart Frame::checkpoint() const {
+  CheckpointPart out{};
+  if (payload.size() == sizeof out) std::memcpy(&out, payload.data(), sizeof out);
   return out;
 }
 std::vector<Contact> Frame::contacts() const {

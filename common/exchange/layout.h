@@ -43,6 +43,7 @@ enum class Part : std::uint32_t {
   kRigidReports,  // bytes of the rings
   kFluidFinal,
   kRigidFinal,
+  kResumeDir,
   kCount
 };
 inline constexpr std::size_t kParts = static_cast<std::size_t>(Part::kCount);
@@ -85,7 +86,9 @@ struct alignas(kLine) Header {
   std::uint64_t coordinator_start, run_id;
   double peer_timeout;  ///< s
   std::uint32_t fluid_takes_part, rigid_takes_part, threads;
-  std::uint32_t monitor;  ///< monitor_bit() of each kind of frame that somebody wants
+  std::uint32_t monitor;     ///< monitor_bit() of each kind of frame that somebody wants
+  std::uint64_t first_step;  ///< the run goes on after this step: 0, or that of the checkpoint in part kResumeDir
+  double checkpoint_every;   ///< s of simulated time between checkpoints; 0: none
   alignas(kLine) Block parts[kParts];
   PeerLine peers[3];  ///< indexed by Role
   Mailbox order, answer;

@@ -40,6 +40,7 @@ Link::Waiting::Waiting(Segment::Impl& s, Role role) : segment(s), self(role), wa
                  s.records<std::byte>(fluid ? Part::kFluidReports : Part::kRigidReports));
   contacts = Ring(h.contacts, s.records<std::byte>(Part::kContacts));
   if (fluid) merged.resize(s.manifest.bodies.size());
+  step = h.first_step;
 }
 
 void Link::Waiting::post(Mailbox& mailbox, Role reader) {
@@ -142,6 +143,10 @@ Status Link::frame(FrameKind kind, std::uint64_t step, double time, std::span<co
 Status Link::warning(std::uint64_t step, double time, std::string_view text) {
   const auto bytes = std::as_bytes(std::span(text.data(), std::min<std::size_t>(text.size(), 2048)));
   return waiting_->write_frame({FrameKind::kWarning, static_cast<std::uint32_t>(bytes.size()), step, time}, bytes);
+}
+
+Status Link::checkpoint(std::uint64_t step, double time, const CheckpointPart& part) {
+  return waiting_->write_frame({FrameKind::kCheckpoint, sizeof part, step, time}, std::as_bytes(std::span(&part, 1)));
 }
 
 void Link::offer(FrameKind kind, std::uint64_t step, double time, std::span<const std::byte> payload) {

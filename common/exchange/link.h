@@ -26,6 +26,9 @@ struct SegmentPlan {
   std::uint32_t monitor = 0;            ///< monitor_bit() of the frames that monitors want
   bool fluid = true, rigid = true;      ///< which processes take part
   bool named = true;                    ///< false: it loses its name at once; attach by path()
+  std::uint64_t first_step = 0;         ///< the run goes on after this step, from the checkpoint in resume_dir
+  std::string resume_dir;               ///< absolute; empty: from the start
+  double checkpoint_every = 0;          ///< s of simulated time; 0: no checkpoints
   std::size_t contact_bytes = 1 << 20;  ///< ring fluid -> rigid
   std::size_t report_bytes = 8 << 20;   ///< ring of each process -> coordinator
   std::size_t final_bytes = 1 << 20;    ///< final report (JSON text) of each process
@@ -59,6 +62,9 @@ class Segment {
   std::string_view scene_text() const;
   std::string out_dir() const;
   std::uint32_t threads() const;
+  std::uint64_t first_step() const;  ///< 0, or the step of the checkpoint that the run goes on from
+  std::string resume_dir() const;    ///< folder of that checkpoint; empty: from the start
+  double checkpoint_every() const;   ///< s of simulated time; 0: no checkpoints
   bool has(Role role) const;         ///< fluid, rigid: takes part in this run
   bool wants(FrameKind kind) const;  ///< somebody wants these frames for monitors
   std::size_t bytes() const;
@@ -84,6 +90,8 @@ class Link {
   Status report(const StepReport& report);
   Status frame(FrameKind kind, std::uint64_t step, double time, std::span<const double> values);
   Status warning(std::uint64_t step, double time, std::string_view text);
+  /// The process's part of the checkpoint after this step is written.
+  Status checkpoint(std::uint64_t step, double time, const CheckpointPart& part);
   /// A frame for monitors. Never waits: while the ring is half full it is dropped and counted, so that monitors leave
   /// reports and rows the other half.
   void offer(FrameKind kind, std::uint64_t step, double time, std::span<const std::byte> payload);
@@ -104,7 +112,7 @@ class Link {
   std::unique_ptr<Waiting> waiting_;
 };
 
-/// Fluid side of the lockstep: receive(0), then for each step: send(order), receive(order).
+/// Fluid side of the lockstep: receive(first_step), then for each step: send(order), receive(order).
 class FluidLink : public Link {
  public:
   explicit FluidLink(Segment& segment);
@@ -117,7 +125,7 @@ class FluidLink : public Link {
   std::uint64_t contacts_merged() const;  ///< patches that disappeared in others so far, since the ring was full
 };
 
-/// Rigid side: send(answer 0), then for each step: receive(order), send(answer).
+/// Rigid side: send(answer first_step), then for each step: receive(order), send(answer).
 class RigidLink : public Link {
  public:
   explicit RigidLink(Segment& segment);
@@ -135,6 +143,7 @@ struct Frame {
   StepReport step_report() const;          ///< kStep
   std::string text() const;                ///< kWarning
   FluidStatistics fluid() const;           ///< kFluid
+  CheckpointPart checkpoint() const;       ///< kCheckpoint
   std::vector<Contact> contacts() const;   ///< kContacts
   ParticleSetHead particle_head() const;   ///< kParticles
   std::vector<ParticleSample> particles() const;

@@ -9,7 +9,7 @@
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -184,7 +184,14 @@ struct ParticleSample {
 };
 static_assert(sizeof(ParticleSample) == 32);
 
-/// Frames in a report ring. From kFluid on they are for monitors: written only if Header::monitor asks for them, and
+/// A process has written its part of the checkpoint after a step (common/checkpoint): how the file can be told.
+struct CheckpointPart {
+  std::uint64_t bytes;
+  std::uint64_t hash;  ///< that the file ends with
+};
+static_assert(sizeof(CheckpointPart) == 16);
+
+/// Frames in a report ring. kFluid to kParticles are for monitors: written only if Header::monitor asks for them, and
 /// dropped where there is no room.
 enum class FrameKind : std::uint32_t {
   kStep = 0,
@@ -193,9 +200,10 @@ enum class FrameKind : std::uint32_t {
   kWarning = 3,
   kFluid = 4,
   kContacts = 5,
-  kParticles = 6
+  kParticles = 6,
+  kCheckpoint = 7
 };
-inline constexpr std::uint32_t kFrameKinds = 7;
+inline constexpr std::uint32_t kFrameKinds = 8;
 /// Bit of Header::monitor that asks for frames of a kind.
 constexpr std::uint32_t monitor_bit(FrameKind kind) { return 1u << static_cast<std::uint32_t>(kind); }
 struct FrameHead {

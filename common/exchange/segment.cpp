@@ -65,6 +65,7 @@ std::uint64_t lay_out(const SegmentPlan& plan, Block (&parts)[kParts]) {
       plan.rigid ? ring_bytes(plan.report_bytes) : 0,
       plan.fluid ? plan.final_bytes : 0,
       plan.rigid ? plan.final_bytes : 0,
+      plan.resume_dir.size(),
   };
   std::uint64_t end = kHeaderBytes;
   for (std::size_t i = 0; i < kParts; ++i) {
@@ -104,6 +105,8 @@ void fill_header(Header& h, const SegmentPlan& plan, const Block (&parts)[kParts
   h.rigid_takes_part = plan.rigid;
   h.threads = plan.threads;
   h.monitor = plan.monitor;
+  h.first_step = plan.first_step;
+  h.checkpoint_every = plan.checkpoint_every;
   std::copy(std::begin(parts), std::end(parts), h.parts);
   PeerLine& self = h.peers[static_cast<std::size_t>(Role::kCoordinator)];
   // relaxed: nobody reads any of this before it has seen `magic`, which is released last
@@ -233,6 +236,7 @@ Result<Segment> Segment::create(const std::string& name, const SegmentPlan& plan
   copy_in(*impl, Part::kTriangles, m.triangles.data());
   copy_in(*impl, Part::kSceneText, plan.scene_text.data());
   copy_in(*impl, Part::kOutDir, plan.out_dir.data());
+  copy_in(*impl, Part::kResumeDir, plan.resume_dir.data());
   impl->manifest = view_of(*impl);
   if (auto good = check_manifest(impl->manifest); !good) return good.error();
   // release: partner is the acquire in attach(); whoever sees the magic sees everything above
@@ -319,6 +323,12 @@ std::string Segment::out_dir() const {
   const auto text = impl_->records<char>(Part::kOutDir);
   return {text.data(), text.size()};
 }
+std::string Segment::resume_dir() const {
+  const auto text = impl_->records<char>(Part::kResumeDir);
+  return {text.data(), text.size()};
+}
+std::uint64_t Segment::first_step() const { return impl_->header().first_step; }
+double Segment::checkpoint_every() const { return impl_->header().checkpoint_every; }
 std::uint32_t Segment::threads() const { return impl_->header().threads; }
 bool Segment::wants(FrameKind kind) const { return (impl_->header().monitor & monitor_bit(kind)) != 0; }
 bool Segment::has(Role role) const { return impl_->takes_part(role); }

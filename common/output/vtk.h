@@ -22,6 +22,11 @@ class VtkSeries {
  public:
   explicit VtkSeries(std::string folder);
   /// Adds one output time. Without particles (empty spans) only bodies are written.
+  /// For checkpoints: the series goes on after the times that it has.
+  template <class A>
+  void state(A& a) {
+    a("times", times_), a("any_particles", any_particles_);
+  }
   Status add(double time, const ParticleFrame& particles, const std::vector<Body>& bodies, std::span<const Pose> poses);
 
  private:

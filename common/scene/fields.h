@@ -270,6 +270,10 @@ void visit(V& v, Output& o) {
   v.when(o.lcm, "runs that send messages (output.lcm)", [&](auto& w) {
     w({"lcm_particles", kNone, "in a message frame at most; 0: none", {0, 100000}}, o.lcm_particles);
   });
+  v.group({"checkpoint", kNone, "states from which a run can go on (--resume)"}, [&](auto& w) {
+    w({"every", kTime, "of simulated time between two; 0: none", kNotNegative}, o.checkpoint_every);
+    w({"keep", kNone, "of the newest", {1, 1000}}, o.checkpoint_keep);
+  });
 }
 
 /// What the values of a column of bodies.csv or probes.csv are; the part behind the last dot says it.

@@ -1,6 +1,7 @@
 // The full effective scene as text: blocks down to the items of a list, one line for each of their values.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
@@ -86,6 +87,38 @@ std::string print_scene(const Scene& original) {
     }
   }
   return text;
+}
+
+namespace scene {
+namespace {
+
+/// Lists of things with names become maps, so that one more model does not shift all that follow it.
+nlohmann::json by_name(const nlohmann::json& tree) {
+  nlohmann::json out = tree;
+  if (tree.is_array()) {
+    const bool named = !tree.empty() && std::ranges::all_of(tree, [](const auto& x) { return x.contains("name"); });
+    if (named) out = nlohmann::json::object();
+    for (std::size_t i = 0; i < tree.size(); ++i)
+      (named ? out[tree[i]["name"].template get<std::string>()] : out[i]) = by_name(tree[i]);
+  } else if (tree.is_object()) {
+    for (const auto& [key, value] : tree.items()) out[key] = by_name(value);
+  }
+  return out;
+}
+
+}  // namespace
+}  // namespace scene
+
+std::vector<std::string> scene_differences(const Scene& a, const Scene& b) {
+  const auto tree = [](Scene copy) {
+    return scene::by_name(nlohmann::json::parse(scene::Printer::tree_of(copy).dump()));
+  };
+  std::vector<std::string> out;
+  for (const auto& change : nlohmann::json::diff(tree(a), tree(b))) {
+    const std::string path = change["path"].get<std::string>();
+    if (std::ranges::find(out, path) == out.end()) out.push_back(path);
+  }
+  return out;
 }
 
 std::uint64_t scene_hash(const Scene& scene) {

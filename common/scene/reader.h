@@ -25,6 +25,10 @@ std::string print_scene(const Scene& scene);
 /// 64-bit hash of print_scene.
 std::uint64_t scene_hash(const Scene& scene);
 
+/// Keys in which two scenes differ, as paths of the printed scene: "/world/spacing", "/models/crate/density"; list
+/// items by name or index.
+std::vector<std::string> scene_differences(const Scene& a, const Scene& b);
+
 /// JSON Schema (draft 2020-12) of a scene file, from the same list of keys that the reader uses.
 std::string scene_schema();
 

@@ -190,12 +190,14 @@ struct Probe {
 };
 
 struct Output {
-  double every = 0.02;         ///< s between rows of bodies.csv and probes.csv
-  bool vtk = false;            ///< ParaView files at every row
-  bool picture = false;        ///< picture.png of the last state
-  bool lcm = false;            ///< live messages for monitors over LCM
-  int lcm_particles = 5000;    ///< particles in a message frame at most; 0: none
-  Vec3 camera = Vec3::Zero();  ///< eye position for the picture, m; zero: chosen
+  double every = 0.02;          ///< s between rows of bodies.csv and probes.csv
+  bool vtk = false;             ///< ParaView files at every row
+  bool picture = false;         ///< picture.png of the last state
+  bool lcm = false;             ///< live messages for monitors over LCM
+  int lcm_particles = 5000;     ///< particles in a message frame at most; 0: none
+  Vec3 camera = Vec3::Zero();   ///< eye position for the picture, m; zero: chosen
+  double checkpoint_every = 0;  ///< s between checkpoints; 0: none
+  int checkpoint_keep = 2;      ///< newest ones that are kept
 };
 
 enum class ExpectKind {

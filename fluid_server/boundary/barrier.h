@@ -38,6 +38,10 @@ class Barrier {
 
   std::span<const Push> pushes() const { return pushes_; }
   const BarrierReport& report() const { return report_; }
+  template <class A>
+  void state(A& a) {
+    a("report", report_);
+  }
   std::size_t memory() const { return contacts_.capacity() * sizeof(Contact) + pushes_.capacity() * sizeof(Push); }
 
  private:

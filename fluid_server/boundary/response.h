@@ -44,6 +44,13 @@ class Response {
   /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
   void gather_contacts(std::span<const exchange::BodyState> states);
 
+  /// What the next step takes from the last one: films without which a solve begins, wrenches for probes.
+  template <class A>
+  void state(A& a) {
+    a("wrenches", wrenches_), a("acceleration", acceleration_);
+    if (films_) a("films", *films_);
+  }
+
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   /// Where the fluid touches each moving body, wet patches only.
   std::span<const exchange::Contact> contacts() const { return contacts_; }

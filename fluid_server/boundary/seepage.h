@@ -38,6 +38,10 @@ class Seepage {
              double dt);
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
+  template <class A>
+  void state(A& a) {
+    a("wrenches", wrenches_);
+  }
   std::size_t memory() const;
 
  private:

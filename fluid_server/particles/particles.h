@@ -22,12 +22,18 @@ struct Particles {
   std::vector<float> compression;  ///< implicit solver only: density over rest density - 1; else empty
   bool has_compression = false;
   std::size_t size() const { return record.size(); }
-  /// One line per field: sorting, saving, hashing and snapshots follow from it.
+  /// One line per field: sorting, saving, hashing and snapshots follow from it; its name in state().
   template <class Visit>
   void for_each_field(Visit&& visit) const {
     visit(&Particles::record);
     visit(&Particles::id);
     if (has_compression) visit(&Particles::compression);
+  }
+  /// For checkpoints: in the order of the particles, which decides the order of sums.
+  template <class A>
+  void state(A& a) {
+    a("record", record), a("id", id);
+    if (has_compression) a("compression", compression);
   }
   void resize(std::size_t n) {
     for_each_field([&](auto field) { (this->*field).resize(n); });

@@ -48,6 +48,11 @@ class ImplicitPressure : private QuadraticProgram {
   void scale(std::vector<SampleSums>& sums) const;
 
   const ImplicitReport& report() const { return report_; }
+  /// The start of the next solve is in the particles; the norm is estimated once in a run.
+  template <class A>
+  void state(A& a) {
+    a("report", report_), a("norm", fluid_norm_);
+  }
   /// Acceleration of each body that the solve foresaw: linear, angular.
   std::span<const Vector6> foreseen() const { return foreseen_; }
   std::size_t memory() const;

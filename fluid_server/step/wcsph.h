@@ -33,6 +33,12 @@ struct QuietReport {
 
 /// Sums over all particles, in double and in a fixed order.
 struct Measures {
+  template <class A>
+  void state(A& a) {
+    a("kinetic", kinetic), a("potential", potential), a("elastic", elastic), a("momentum", momentum);
+    a("angular_momentum", angular_momentum), a("mass", mass);
+    a("compression_mean", compression_mean), a("compression_max", compression_max);
+  }
   double kinetic = 0, potential = 0, elastic = 0;    ///< J
   Vec3 momentum = Vec3::Zero();                      ///< kg m/s
   Vec3 angular_momentum = Vec3::Zero();              ///< about the origin, kg m^2/s
@@ -44,8 +50,10 @@ class WcsphFluid {
  public:
   /// `bodies` must outlive the fluid. Large scenes take minutes to set up: `sign_of_life` is called now and then, in
   /// quiet_start() too.
+  /// `relax`: false where a checkpoint brings the particles.
   static Result<std::unique_ptr<WcsphFluid>> make(
-      const Scene& scene, const std::vector<Body>& bodies, int threads, std::function<void()> sign_of_life = [] {});
+      const Scene& scene, const std::vector<Body>& bodies, int threads, std::function<void()> sign_of_life = [] {},
+      bool relax = true);
 
   /// Finds the pressure with which nothing is compressed at the moment of release; for states at rest, before the first
   /// step. Costs some hundred sweeps where something gives way, one where all is in balance.
@@ -77,6 +85,19 @@ class WcsphFluid {
   std::uint64_t hash() const;  ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
   const ImplicitPressure* implicit() const { return implicit_.get(); }  ///< null: weakly compressible
+
+  /// All that later steps and the record depend on (common/checkpoint/state.h); between two steps.
+  template <class A>
+  void state(A& a) {
+    a("particles", particles_);
+    a("facts", facts_);
+    a("lost", lost_);
+    a("lost_where", lost_where_);
+    a("relaxed", relax_report_);
+    a("response", *response_);
+    a("barrier", *barrier_);
+    if (implicit_) a("implicit", *implicit_);
+  }
 
   const BarrierReport& barrier() const { return barrier_->report(); }
   std::size_t memory() const;  ///< bytes of all arrays that live through a step

@@ -92,7 +92,7 @@ double gravity_step(const Scene& scene) {
 }
 
 Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads,
-                                                     std::function<void()> sign_of_life) {
+                                                     std::function<void()> sign_of_life, bool relax_start) {
   std::unique_ptr<WcsphFluid> fluid(new WcsphFluid);
   WcsphFluid& self = *fluid;
   self.sign_of_life_ = std::move(sign_of_life);
@@ -134,7 +134,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.samples_ = std::make_unique<Samples>(
       Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
   self.particles_ = std::move(self.filled_.particles);
-  if (scene.numerics.relax) {
+  if (scene.numerics.relax && relax_start) {
     std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
     std::erase_if(solid, [](const Record& r) { return r.volume == 0; });
     solid.insert(solid.end(), self.filled_.ghosts.begin(), self.filled_.ghosts.end());

@@ -40,7 +40,7 @@ class Scratch {
 
 class Command {
  public:
-  /// Starts `ballast run` with these arguments and output in folder/out.
+  /// Starts `ballast run` with these arguments and output in folder/out, which is made anew.
   Command(const fs::path& folder, std::vector<std::string> arguments) : folder_(folder) {
     fs::remove_all(folder_ / "out");
     const std::string program = std::string(BALLAST_BIN_DIR) + "/ballast_coordinator", log = (folder_ / "log").string();

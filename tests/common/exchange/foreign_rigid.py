@@ -33,10 +33,10 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 2, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 3, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
-        self.parts = [self.get("QQ", 128 + 16 * i) for i in range(15)]
+        self.parts = [self.get("QQ", 128 + 16 * i) for i in range(16)]
 
     def get(self, form, at):
         return struct.unpack_from("<" + form, self.m, at)
@@ -89,6 +89,8 @@ def main(name):
         mass, = seg.get("d", at + 64)
         bodies.append((mass, list(seg.get("13d", at + 120))))
     n = len(bodies)
+    if seg.get("Q", 80)[0] or seg.get("d", 88)[0]:
+        fail("this process can neither write checkpoints nor go on from one")
     if seg.get("I", RIGID)[0]:
         fail("the role is taken")
     seg.put("I", RIGID, os.getpid())

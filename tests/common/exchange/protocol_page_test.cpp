@@ -40,6 +40,7 @@ const std::map<std::string, std::size_t> kSizes = {{"Header", sizeof(Header)},
                                                    {"FluidStatistics", sizeof(FluidStatistics)},
                                                    {"ParticleSetHead", sizeof(ParticleSetHead)},
                                                    {"ParticleSample", sizeof(ParticleSample)},
+                                                   {"CheckpointPart", sizeof(CheckpointPart)},
                                                    {"FrameHead", sizeof(FrameHead)}};
 
 TEST(layout, has_no_field_that_the_table_forgets) {

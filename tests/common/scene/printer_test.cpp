@@ -32,6 +32,19 @@ TEST(Printer, RoundTripsARichScene) {
   EXPECT_EQ(again.world.seed, scene.world.seed);
 }
 
+TEST(Differences, AreThePathsOfTheKeys) {
+  const Scene scene = read(scene::kRich);
+  EXPECT_TRUE(scene_differences(scene, read(print_scene(scene))).empty());
+  const Scene other =
+      read(scene::kRich, {{"world.duration", "4 s"}, {"models.ball.mass", "3"}, {"output.vtk", "false"}});
+  EXPECT_THAT(scene_differences(scene, other),
+              testing::UnorderedElementsAre("/world/duration", "/models/ball/mass", "/output/vtk"));
+  Scene more = scene;
+  more.models.insert(more.models.begin(), more.models.back());
+  more.models.front().name = "another";
+  EXPECT_THAT(scene_differences(scene, more), testing::ElementsAre("/models/another"));
+}
+
 TEST(Printer, KeepsEveryBitOfAwkwardNumbersAndTexts) {
   for (const char* number : {"0.1", "1e-300", "12345.678901234567", "0.30000000000000004", "-0.0", "1e5"}) {
     const Scene scene = read(scene::kRich, {{"models.ball.velocity", std::string("[") + number + ", 0, 0]"}});

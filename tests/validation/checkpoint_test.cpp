@@ -1,0 +1,130 @@
+// A run that goes on from a checkpoint ends as the unbroken one: state, rows, sums, verdicts; with every solver, engine
+// and scheme, with other threads, with one process or two. Wrong scenes and damaged checkpoints are refused.
+#include "tests/validation/run_command.h"
+
+namespace ballast::testing {
+namespace {
+
+using namespace nlohmann::literals;
+using Words = std::vector<std::string>;
+
+Words joined(Words a, const Words& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// What must be the same, wall times left out.
+nlohmann::json results(const nlohmann::json& record) {
+  nlohmann::json out;
+  for (const char* key : {"state_hash", "exit", "steps", "simulated_s", "particles", "error", "ledger", "step_limits",
+                          "expect", "warnings", "engine", "scheme"})
+    out[key] = record.contains(key) ? record[key] : nlohmann::json();
+  for (const char* side : {"rigid_process", "fluid_process"})
+    for (const char* key : {"jitter_m_s2", "contact_sets", "barrier", "relaxation", "pressure_solve"})
+      if (record.contains(side) && record[side].contains(key)) out[side][key] = record[side][key];
+  if (const auto seconds = "/fluid_process/pressure_solve/seconds"_json_pointer; out.contains(seconds))
+    out[seconds] = nullptr;  // wall time
+  return out;
+}
+
+struct Kind {
+  const char* name;
+  Words arguments;
+  const char* every;
+};
+void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
+
+struct Resumed : ::testing::TestWithParam<Kind> {
+  Scratch scratch;
+};
+
+TEST_P(Resumed, RunsEndAsTheUnbrokenOne) {
+  const Kind& kind = GetParam();
+  const fs::path a = scratch.path / "a", b = scratch.path / "b", c = scratch.path / "c";
+  for (const fs::path& folder : {a, b, c}) fs::create_directories(folder);
+  Command unbroken(a, kind.arguments);
+  const int code = unbroken.wait();
+  ASSERT_TRUE(code == 0 || code == 3) << unbroken.text();
+  EXPECT_FALSE(fs::exists(a / "out/checkpoints")) << "nobody asked for them";
+  Command first(b, joined(kind.arguments, {"--checkpoint", kind.every}));
+  EXPECT_EQ(first.wait(), code) << first.text();
+  EXPECT_EQ(results(first.record()), results(unbroken.record())) << "checkpoints change the result";
+  ASSERT_GE(first.record().value("checkpoints", 0), 1) << first.text();
+  Command resumed(c, {"--resume", (b / "out").string(), "--threads", "3"});
+  EXPECT_EQ(resumed.wait(), code) << resumed.text();
+  EXPECT_GT(resumed.record()["resumed"]["after_step"], 0);
+  EXPECT_EQ(results(resumed.record()), results(unbroken.record()));
+  for (const char* file : {"bodies.csv", "probes.csv"})
+    EXPECT_EQ(text_of(c / "out" / file), text_of(a / "out" / file)) << file;
+}
+
+const Words kBlocks{scene("stacked_blocks"), "--spacing", "5cm", "--duration", "0.4s"};
+const Words kBox{scene("floating_box"), "--spacing", "10cm", "--duration", "0.5s"};
+const Words kImplicit{"--set", "numerics.pressure=implicit"};
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, Resumed,
+    ::testing::Values(Kind{"Explicit", kBlocks, "0.15s"}, Kind{"Implicit", joined(kBlocks, kImplicit), "0.15s"},
+                      Kind{"Staggered", joined(kBox, {"--scheme", "staggered"}), "0.2s"},
+                      Kind{"StaggeredImplicit", joined(joined(kBox, kImplicit), {"--scheme", "staggered"}), "0.2s"},
+                      Kind{"FreeBody", {scene("added_mass_2d"), "--engine", "free_body", "--duration", "20ms"}, "8ms"},
+                      Kind{"Substeps", joined(kBlocks, {"--set", "coupling.substeps=3"}), "0.15s"},
+                      Kind{"RigidAlone", {scene("pendulum"), "--duration", "1s"}, "0.4s"},
+                      Kind{"FluidAlone", {scene("dam_break_empty"), "--duration", "0.2s"}, "0.08s"}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+struct Checkpoints : ::testing::Test {
+  Scratch scratch;
+  fs::path first = scratch.path / "first", second = scratch.path / "second";
+  void SetUp() override {
+    fs::create_directories(first);
+    fs::create_directories(second);
+  }
+  Words pendulum(Words more) const { return joined({scene("pendulum"), "--duration", "0.5s"}, more); }
+  std::vector<fs::path> folders() const {
+    std::vector<fs::path> out;
+    for (const auto& entry : fs::directory_iterator(first / "out/checkpoints")) out.push_back(entry.path());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+};
+
+TEST_F(Checkpoints, AreKeptAsManyAsAskedFor) {
+  Command run(first, pendulum({"--checkpoint", "50ms", "--set", "output.checkpoint.keep=3"}));
+  run.wait();
+  EXPECT_EQ(run.record()["checkpoints"], 9) << "at 50 ms to 450 ms; none at the end, where nothing follows";
+  EXPECT_EQ(folders().size(), 3u);
+}
+
+TEST_F(Checkpoints, OfAnotherSceneAreRefusedWithTheKeysThatDiffer) {
+  Command run(first, pendulum({"--checkpoint", "50ms"}));
+  run.wait();
+  Command other(second, joined(pendulum({"--resume", (first / "out").string()}),
+                               {"--set", "world.gravity=[0,0,-3]", "--set", "coupling.rigid_step=2ms"}));
+  EXPECT_EQ(other.wait(), 2);
+  for (const char* word : {"world/gravity", "coupling/rigid_step", "not that of the checkpoint"})
+    EXPECT_NE(other.text().find(word), std::string::npos) << other.text();
+  EXPECT_EQ(other.text().find("world/duration"), std::string::npos) << other.text();
+  Command same(second, pendulum({"--resume", (first / "out").string(), "--set", "output.checkpoint.keep=9"}));
+  EXPECT_TRUE(same.wait() == 0 || same.wait() == 3) << same.text();
+}
+
+TEST_F(Checkpoints, ThatAreDamagedAreNamedAndTheOneBeforeIsTaken) {
+  Command run(first, pendulum({"--checkpoint", "50ms"}));
+  run.wait();
+  ASSERT_EQ(folders().size(), 2u);
+  const fs::path part = folders()[1] / "rigid";
+  fs::resize_file(part, fs::file_size(part) - 1);
+  Command resumed(second, {"--resume", (first / "out").string()});
+  const int code = resumed.wait();
+  EXPECT_TRUE(code == 0 || code == 3) << resumed.text();
+  EXPECT_NE(resumed.text().find(part.string() + ": its checksum is wrong"), std::string::npos) << resumed.text();
+  EXPECT_EQ(resumed.record()["state_hash"], run.record()["state_hash"]);
+  fs::remove(folders()[0] / "run");
+  Command none(second, {"--resume", (first / "out").string()});
+  EXPECT_EQ(none.wait(), 2);
+  EXPECT_NE(none.text().find("no checkpoint to resume from"), std::string::npos) << none.text();
+}
+
+}  // namespace
+}  // namespace ballast::testing
