@@ -94,6 +94,7 @@ class Server {
       stopped_ = true;
       return ok();
     }
+    if (auto s = take_commands(); !s) return s;
     Step step = choose_step(limits_, fluid_->facts(), coupled_ ? engine_bound_ : 1e300, time_, end);
     std::uint32_t iteration = 0;
     for (;; ++iteration) {
@@ -115,15 +116,53 @@ class Server {
     r.wall_wait = link_.seconds_waited() - waited;
     r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
     if (auto s = link_.report(r); !s) return s;
+    if (auto s = obey(); !s) return s;
     if (auto s = rows(false); !s) return s;
     return due_.at(time_) && time_ < end * (1 - 1e-12) ? write_checkpoint() : ok();
+  }
+
+  /// Those that take effect at the end of the coming step; the rigid process gets them with the order. A body cannot be
+  /// put where fluid is: what would become of the particles?
+  Status take_commands() {
+    auto commands = link_.commands(step_ + 1);
+    if (!commands) return commands.error();
+    commands_ = *std::move(commands);
+    Status told = ok();
+    std::erase_if(commands_, [&](const exchange::Command& c) {
+      if (c.kind != exchange::CommandKind::kPose) return false;
+      const double* v = c.values;
+      const Pose pose{Vec3(v[0], v[1], v[2]), Quat(v[3], v[4], v[5], v[6]).normalized()};
+      const std::size_t inside = count_inside(bodies_[c.body], pose, *fluid_);
+      if (inside == 0) return false;
+      if (told)
+        told = link_.command_result(step_ + 1, time_, c.id, fmt::format("{} particles of fluid are there", inside));
+      return true;
+    });
+    return told;
+  }
+
+  /// What commands change in the fluid, once the step is kept.
+  Status obey() {
+    for (const exchange::Command& c : commands_) {
+      if (c.kind == exchange::CommandKind::kGravity) set_gravity(Vec3(c.values[0], c.values[1], c.values[2]));
+      if (coupled_) continue;  // the rigid process tells
+      if (auto s = link_.command_result(step_, time_, c.id, ""); !s) return s;
+    }
+    commands_.clear();
+    return ok();
+  }
+
+  void set_gravity(const Vec3& gravity) {
+    scene_.world.gravity = gravity;
+    fluid_->set_gravity(gravity);
+    limits_ = step_limits(scene_, bodies_, *fluid_);
   }
 
   /// For checkpoints; the rigid process knows the bodies.
   template <class A>
   void state(A& a) {
     a("step", step_), a("time", time_), a("last_row", last_row_), a("last_row_time", last_row_time_);
-    a("simd", simd_), a("fluid", *fluid_), a("report", report_);
+    a("gravity", scene_.world.gravity), a("simd", simd_), a("fluid", *fluid_), a("report", report_);
     if (!coupled_) a("states", states_);
   }
 
@@ -143,6 +182,8 @@ class Server {
     checkpoint::StateReader reader(*part);
     state(reader);
     if (auto s = reader.status(); !s) return s;
+    // Reduced gravity is not the scene's, and cannot be changed.
+    if (!scene_.numerics.reduced_gravity) set_gravity(scene_.world.gravity);
     if (step_ != segment_.first_step())
       return Error{
           fmt::format("the fluid's part of the checkpoint is of step {}, not {}", step_, segment_.first_step()),
@@ -168,7 +209,7 @@ class Server {
                     (time_ + step.dt >= end * (1 - 1e-12) ? static_cast<std::uint32_t>(exchange::kLast) : 0u);
       order.time = time_;
       order.dt = order.next_dt = step.dt;
-      if (auto s = link_.send(order, fluid_->wrenches(), fluid_->contacts()); !s) return s;
+      if (auto s = link_.send(order, fluid_->wrenches(), fluid_->contacts(), commands_); !s) return s;
     }
     fluid_->move();
     states_before_ = states_;
@@ -213,6 +254,7 @@ class Server {
   Limit last_limit_ = Limit::kSound;
   std::unique_ptr<MonitorFrames> monitor_;
   std::vector<exchange::BodyState> states_, states_before_;
+  std::vector<exchange::Command> commands_;
   double engine_bound_ = 1e300;
   std::uint64_t step_ = 0;
   double time_ = 0;

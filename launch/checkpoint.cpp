@@ -127,7 +127,7 @@ Status CheckpointWriter::write(std::uint64_t step, double time, const Parts& par
     if (parts.seal[k]) run.parts[kPartNames[k]] = {{"bytes", parts.seal[k]->bytes}, {"hash", parts.seal[k]->hash}};
   run.commands = json::array();
   for (const json& command : commands)
-    if (command.value("step", std::uint64_t{0}) <= step) run.commands.push_back(command);
+    if (command.contains("step") && command["step"] <= step) run.commands.push_back(command);
   run.collected = collector.snapshot(parts.mark[0], parts.mark[1]);
   const auto seal =
       checkpoint::write_part(checkpoint::folder_of(out_dir_, step), checkpoint::kRunPart, checkpoint::save(run));

@@ -85,6 +85,8 @@ class Driver {
   }
 
   Outcome run() {
+    for (const Replay::At& at : options_.replay)  // those up to a checkpoint are in it
+      if (at.step > outcome_.resumed_after.value_or(0)) warn(act_.take(at.command, at.step, 0, 0));
     grant();
     while (!all_ended()) {
       control_.wait_for_news(kNap);
@@ -127,7 +129,8 @@ class Driver {
         drained = collector_.take(role, frames_[i]);
         if (drained && options_.checkpoints && frames_[i].head.kind == exchange::FrameKind::kCheckpoint)
           drained = options_.checkpoints->take(role, frames_[i], collector_, obey_.record());
-        if (options_.publisher) options_.publisher->take(role, std::move(frames_[i]));
+        if (frames_[i].head.kind == exchange::FrameKind::kCommand) warn(act_.result(frames_[i]));
+        if (options_.publisher) options_.publisher->take(role, std::move(frames_[i]));  // last: it takes the frame over
       }
       if (!drained) {
         fail(kProcessFailed, drained.error().text());
@@ -142,10 +145,25 @@ class Driver {
   /// when the next order comes, and in a pause none does.
   const exchange::StepReport& done() const { return collector_.totals(roles_.front()).last; }
 
+  /// A warning of our own, as those of the processes.
+  void warn(const std::string& text) {
+    if (text.empty()) return;
+    const auto bytes = std::as_bytes(std::span(text));
+    exchange::Frame frame{
+        {exchange::FrameKind::kWarning, static_cast<std::uint32_t>(bytes.size()), done().step, done().time},
+        {bytes.begin(), bytes.end()}};
+    if (const Status taken = collector_.take(Role::kCoordinator, frame); !taken)
+      fail(kProcessFailed, taken.error().text());
+    if (options_.publisher) options_.publisher->take(Role::kCoordinator, std::move(frame));
+  }
+
   void obey() {
     if (options_.commands) {
       for (const RunCommand& c : options_.commands->take()) {
-        obey_.take(c, done().step, done().time);
+        if (acts(c))
+          warn(act_.take(c, 0, done().step, done().time));
+        else
+          obey_.take(c, done().step, done().time);
       }
     }
     if (stopping_ || !obey_.stop_due(done().step)) return;
@@ -307,6 +325,7 @@ class Driver {
     outcome_.total_s = elapsed();
     if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
     if (commanded_) outcome_.stopped_after = done().step;
+    act_.close();
     outcome_.commands = obey_.record();
     int worst = kFine;
     std::string messages;
@@ -343,6 +362,7 @@ class Driver {
   DriveOptions options_;
   Progress progress_;
   Obey obey_;
+  Act act_{control_, prepared_, obey_};
   StopSignals signals_;
   bool commanded_ = false;  // stopping because of a command
   Clock::time_point start_;

@@ -5,6 +5,7 @@
 
 #include "common/exchange/link.h"
 #include "common/result.h"
+#include "launch/act.h"
 #include "launch/checkpoint.h"
 #include "launch/children.h"
 #include "launch/collect.h"
@@ -37,6 +38,7 @@ struct DriveOptions {
   Publisher* publisher = nullptr;                ///< null: nobody wants messages
   double timeout = 30;                           ///< s without a sign of life before a process counts as hung
   CheckpointWriter* checkpoints = nullptr;       ///< null: none are written
+  std::vector<Replay::At> replay = {};           ///< commands of a run that is replayed
   const Checkpoint* resumed = nullptr;           ///< that the run goes on from
 };
 

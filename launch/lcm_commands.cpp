@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <atomic>
 #include <ballast/command_t.hpp>
 #include <ballast/status_t.hpp>
@@ -111,6 +112,13 @@ int tell(const RunCommand& command, const std::string& asked) {
   command_t message;
   message.action = command.action;
   message.steps = command.steps;
+  message.body = command.body;
+  message.duration = command.duration;
+  std::ranges::copy(command.force, message.force);
+  std::ranges::copy(command.torque, message.torque);
+  std::ranges::copy(command.position, message.position);
+  std::ranges::copy(command.orientation, message.orientation);
+  std::ranges::copy(command.gravity, message.gravity);
   Runs runs;
   if (!lcm.good() || !lcm.subscribe(msgs::kStatus, &Runs::hear, &runs) || lcm.publish(msgs::kCommand, &message) != 0) {
     fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());

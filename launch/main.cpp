@@ -112,7 +112,8 @@ struct RunArguments {
     run.add_option("--lcm-url", options.lcm_url, "the same, to this LCM URL (default: this machine only)")
         ->type_name("URL");
     run.add_flag("--lcm-commands", options.lcm_commands, "obey `ballast tell` from whoever sends there; with --lcm");
-    run.add_option("--replay", options.replay, "record of a run stopped by a command: stop after the same step")
+    run.add_option("--replay", options.replay,
+                   "record of a run with commands: the same ones at the same steps, and its end")
         ->type_name("RECORD");
     run.add_option("--resume", options.resume,
                    "go on from the newest checkpoint in this output folder (see --checkpoint)")
@@ -137,16 +138,40 @@ CLI::App* add_monitor(CLI::App& app, const char* name, const char* help) {
   return command;
 }
 
+/// One subcommand per action, each with the options that it needs.
 CLI::App* add_tell(CLI::App& app, launch::RunCommand& command, std::string& url) {
-  CLI::App* tell = app.add_subcommand("tell", "pause, step, resume or stop a run with --lcm-commands");
-  tell->add_option("ACTION", command.action, "at the next border of a step")
-      ->required()
-      ->check(CLI::IsMember({"pause", "step", "resume", "stop"}));
+  CLI::App* tell = app.add_subcommand(
+      "tell", "tell a run with --lcm-commands what to do; takes effect at the next border of a step, see its record");
+  tell->require_subcommand(1);
+  tell->fallthrough();
+  tell->add_option("--lcm-url", url, "LCM URL of the run")->type_name("URL");
+  const auto action = [&](const char* name, const char* help) {
+    CLI::App* one = tell->add_subcommand(name, help);
+    one->callback([&command, name] { command.action = name; });
+    return one;
+  };
+  action("pause", "begin no further step");
   command.steps = 1;
-  tell->add_option("STEPS", command.steps, "how many more, for step")
+  action("step", "some steps more of a run that is paused")
+      ->add_option("STEPS", command.steps, "how many more")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  tell->add_option("--lcm-url", url, "LCM URL of the run")->type_name("URL");
+  action("resume", "go on after a pause");
+  action("stop", "end the run in good order");
+  CLI::App* wrench = action("wrench", "push a body for a while, e.g. tell wrench crate --force 0 0 50 --for 0.1");
+  wrench->add_option("BODY", command.body, "that moves freely")->required();
+  wrench->add_option("--force", command.force, "N, world")->type_name("X Y Z");
+  wrench->add_option("--torque", command.torque, "N m, world, about the centre of mass")->type_name("X Y Z");
+  wrench->add_option("--for", command.duration, "of simulated time, in whole steps")->type_name("SECONDS")->required();
+  CLI::App* pose = action("pose", "put a body somewhere else, its velocity kept; not into bodies or fluid");
+  pose->add_option("BODY", command.body, "that moves freely, without joints")->required();
+  pose->add_option("--position", command.position, "m, world, of the centre of mass")->type_name("X Y Z")->required();
+  pose->add_option("--orientation", command.orientation, "quaternion of length 1 (default: not turned)")
+      ->type_name("W X Y Z");
+  action("gravity", "change the gravity of the world, e.g. tell gravity 0 0 -1.62")
+      ->add_option("GRAVITY", command.gravity, "m/s^2, world")
+      ->type_name("X Y Z")
+      ->required();
   return tell;
 }
 

@@ -2,10 +2,7 @@
 // begins.
 #include "launch/obey.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <fstream>
 
 namespace ballast::launch {
 
@@ -43,15 +40,9 @@ std::optional<std::uint64_t> Obey::limit() const {
   return stop_after_;
 }
 
-Result<std::uint64_t> stop_step_of(const std::string& record_file) {
-  std::ifstream file(record_file);
-  if (!file) return Error{"cannot read the record " + record_file, "check the path", "--replay"};
-  const nlohmann::json record = nlohmann::json::parse(file, nullptr, false);
-  if (!record.is_object() || !record.contains("stopped_after_step")) {
-    return Error{fmt::format("{} is no record of a run that was stopped by a command", record_file),
-                 "other runs need no --replay: the same scene gives the same result", "--replay"};
-  }
-  return record["stopped_after_step"].get<std::uint64_t>();
+std::size_t Obey::add(nlohmann::json entry) {
+  record_.push_back(std::move(entry));
+  return record_.size() - 1;
 }
 
 }  // namespace ballast::launch

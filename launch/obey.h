@@ -1,11 +1,10 @@
 // What commands make of a run: how far it may go. Pure bookkeeping on step numbers; drive asks, the credit follows.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-
-#include "common/result.h"
 
 namespace ballast::launch {
 
@@ -13,6 +12,12 @@ namespace ballast::launch {
 struct RunCommand {
   std::string action;
   std::int64_t steps = 0;
+  std::string body{};
+  std::array<double, 3> force{}, torque{};        ///< N, N m, world, about the centre of mass
+  double duration = 0;                            ///< s
+  std::array<double, 3> position{};               ///< m, world
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< w x y z
+  std::array<double, 3> gravity{};                ///< m/s^2
 };
 
 class Obey {
@@ -31,6 +36,9 @@ class Obey {
   bool stop_due(std::uint64_t done) const { return stop_ || (stop_after_ && done >= *stop_after_); }
   /// [{action, step, time_s, ...}], in order.
   const nlohmann::json& record() const { return record_; }
+  /// One that others carry out (act.h): a place in the record, for them to fill.
+  std::size_t add(nlohmann::json entry);
+  nlohmann::json& entry(std::size_t place) { return record_[place]; }
 
  private:
   std::string obey(const RunCommand& command, std::uint64_t done);
@@ -39,8 +47,5 @@ class Obey {
   std::uint64_t paused_at_ = 0;
   nlohmann::json record_;
 };
-
-/// The step after which a recorded run was stopped by a command.
-Result<std::uint64_t> stop_step_of(const std::string& record_file);
 
 }  // namespace ballast::launch

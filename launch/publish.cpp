@@ -92,6 +92,7 @@ struct Publisher::Worker {
       case FrameKind::kStep:
       case FrameKind::kProbes:
       case FrameKind::kCheckpoint:
+      case FrameKind::kCommand:
         break;  // take() lets neither through
     }
     ++number;

@@ -151,7 +151,7 @@ Status start_or_print(Children& children, const Prepared& prepared, const std::s
 /// What watches and steers a run; all empty where nobody asked.
 struct Lcm {
   std::string url;
-  std::optional<std::uint64_t> stop_after;  ///< of a replay
+  Replay replay;
   std::unique_ptr<Publisher> publisher;
   std::unique_ptr<CommandListener> commands;
 };
@@ -160,9 +160,9 @@ struct Lcm {
 Result<Lcm> plan_lcm(const RunOptions& options, const Prepared& prepared) {
   Lcm lcm;
   if (!options.replay.empty()) {
-    auto step = stop_step_of(options.replay);
-    if (!step) return step.error();
-    lcm.stop_after = *step;
+    auto replay = read_replay(options.replay);
+    if (!replay) return replay.error();
+    lcm.replay = *std::move(replay);
   }
   if (!prepared.scene.output.lcm) return lcm;
   if (Status s = Publisher::available(); !s) return s.error();
@@ -338,6 +338,7 @@ int run(const RunOptions& options) {
   plan.named = options.by_hand;
   plan.peer_timeout = options.timeout;
   plan.checkpoint_every = prepared->scene.output.checkpoint_every;
+  plan.commands = options.lcm_commands || !lcm->replay.commands.empty();
   if (from) plan.first_step = from->step, plan.resume_dir = from->folder;
   if (!lcm->url.empty()) plan.monitor = Publisher::frames_wanted(*prepared);
   const std::string name = Segment::make_name();
@@ -348,9 +349,10 @@ int run(const RunOptions& options) {
   if (Status s = start_or_print(children, *prepared, segment->path(), options, out_dir); !s) return fail(s.error());
   if (Status s = open_lcm(*lcm, options, *prepared); !s) return fail(s.error());
   CheckpointWriter checkpoints(*prepared, out_dir);
-  Outcome outcome = drive(*segment, children, *prepared, *collector,
-                          {options.by_hand, options.quiet, lcm->commands.get(), lcm->stop_after, lcm->publisher.get(),
-                           options.timeout, plan.checkpoint_every > 0 ? &checkpoints : nullptr, from});
+  Outcome outcome =
+      drive(*segment, children, *prepared, *collector,
+            {options.by_hand, options.quiet, lcm->commands.get(), lcm->replay.stop_after, lcm->publisher.get(),
+             options.timeout, plan.checkpoint_every > 0 ? &checkpoints : nullptr, lcm->replay.commands, from});
   return conclude(*prepared, outcome, *collector, options, out_dir);
 }
 

@@ -13,7 +13,7 @@ struct RunOptions {
   std::string lcm_url;                  ///< where messages go; empty: LCM_DEFAULT_URL, else this machine only
   std::string out;                      ///< folder for outputs; empty: out/<scene>
   bool lcm_commands = false;            ///< obey commands over LCM
-  std::string replay;                   ///< record of a run that a command stopped; empty: none
+  std::string replay;                   ///< record of a run with commands; empty: none
   std::string resume;                   ///< output folder of a run with checkpoints; empty: from the start
   int threads = 0;                      ///< of the fluid process; 0: all cores
   double timeout = 30;                  ///< s without a sign of life before a process counts as hung

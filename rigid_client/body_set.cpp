@@ -49,7 +49,7 @@ struct Packed {
 
 struct Head {
   std::uint64_t steps;
-  double time;
+  double time, gravity[3];
   std::uint64_t bodies, extra;
 };
 
@@ -306,6 +306,20 @@ void BodySet::mobility(std::span<exchange::BodyState> states, const std::vector<
   }
 }
 
+Status BodySet::obey(const exchange::Command& command) {
+  if (command.kind == exchange::CommandKind::kGravity) {
+    std::copy_n(command.values, 3, world.gravity);
+    return ok();
+  }
+  Motion& m = now[command.body];
+  const double* v = command.values;
+  m.position = vec(v);
+  m.orientation = Quat(v[3], v[4], v[5], v[6]).normalized();
+  confine(command.body);
+  before_[command.body] = m;
+  return ok();
+}
+
 void BodySet::save(std::vector<std::byte>& out) const {
   const std::size_t bodies = size() * (sizeof(Packed) + 12 * sizeof(double));
   out.resize(sizeof(Head) + bodies + extra.size() * sizeof(double));
@@ -314,7 +328,8 @@ void BodySet::save(std::vector<std::byte>& out) const {
     if (bytes > 0) std::memcpy(to, from, bytes);
     to += bytes;
   };
-  const Head head{steps, time_, size(), extra.size()};
+  const double* g = world.gravity;
+  const Head head{steps, time_, {g[0], g[1], g[2]}, size(), extra.size()};
   write(&head, sizeof head);
   for (std::size_t b = 0; b < size(); ++b) {
     Packed p;
@@ -345,6 +360,7 @@ Status BodySet::restore(std::span<const std::byte> in) {
   };
   steps = head.steps;
   time_ = head.time;
+  std::copy_n(head.gravity, 3, world.gravity);
   for (Motion& m : now) {
     Packed p;
     take(&p, sizeof p);

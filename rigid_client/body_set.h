@@ -83,6 +83,8 @@ class BodySet {
 
   void read(std::span<exchange::BodyState> states) const;
   void mobility(std::span<exchange::BodyState> states, const std::vector<bool>& held) const;
+  /// A pose, its velocity kept, or a gravity from outside.
+  Status obey(const exchange::Command& command);
   void save(std::vector<std::byte>& out) const;
   Status restore(std::span<const std::byte> in);
 

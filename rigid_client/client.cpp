@@ -12,6 +12,7 @@
 #include "common/exchange/hash.h"
 #include "rigid_client/client_report.h"
 #include "rigid_client/engine.h"
+#include "rigid_client/outside.h"
 
 namespace ballast::rigid {
 
@@ -37,6 +38,7 @@ class Client {
         manifest_(segment.manifest()),
         engine_(std::move(engine)),
         report_(manifest_),
+        outside_(manifest_),
         due_(segment.checkpoint_every()) {}
 
   Status run(bool coupled) {
@@ -84,11 +86,14 @@ class Client {
       if (order->flags & exchange::kEnd) return ok();
       if (order->flags & exchange::kRollBack) {
         if (auto restored = engine_->restore(saved_); !restored) return restored;
+        outside_.restore(saved_pushes_);
         look();
         has_pending_ = false;
       }
       engine_->save(saved_);
+      saved_pushes_ = outside_.save();
       if (auto stepped = advance(order->step, order->iteration, order->time, order->dt); !stepped) return stepped;
+      obey(link_.ordered_commands());
       next_.report.wall_wait = link_.seconds_waited() - waited;
       answer.step = order->step;
       answer.iteration = order->iteration;
@@ -110,13 +115,19 @@ class Client {
       auto credit = link_.await_credit(step);
       if (!credit) return credit.error();
       if (!*credit) return ok();
+      auto commands = link_.commands(step);
+      if (!commands) return commands.error();
       const double time = static_cast<double>(step - 1) * dt;
       const double rest = duration - time;
       const double length = rest < dt * (1 - 1e-9) ? rest : dt;
       if (auto stepped = advance(step, 0, time, length); !stepped) return stepped;
+      obey(*commands);
       next_.report.wall_wait = link_.seconds_waited() - waited;
       keep();
-      if (due_possible() && step < steps) engine_->save(saved_);
+      if (due_possible() && step < steps) {
+        engine_->save(saved_);
+        saved_pushes_ = outside_.save();
+      }
       if (auto sent = flush(step < steps); !sent) return sent;
     }
     return ok();
@@ -126,7 +137,13 @@ class Client {
   Status advance(std::uint64_t step, std::uint32_t iteration, double time, double dt) {
     Stopwatch watch;
     const std::vector<exchange::BodyState> before = states_;
-    engine_->apply(wrenches_);
+    if (outside_.pushes()) {
+      acting_ = wrenches_;
+      outside_.add_to(acting_, time);
+      engine_->apply(acting_);
+    } else {
+      engine_->apply(wrenches_);
+    }
     const std::uint32_t substeps = std::max(1u, manifest_.world->substeps);
     for (std::uint32_t i = 0; i < substeps; ++i) {
       link_.beat();
@@ -135,6 +152,7 @@ class Client {
     timing_.engine_s += watch.seconds();
     look();
     if (substeps > 1) mean_acceleration(before, dt);
+    outside_.add_to(states_, time + dt);
     exchange::StepReport& r = next_.report;
     r = exchange::StepReport{};
     r.step = step;
@@ -144,6 +162,21 @@ class Client {
     r.hash = exchange::state_hash(states_);
     r.wall_compute = watch.seconds();
     return ok();
+  }
+
+  /// Commands take effect at the end of the step just advanced: what changes is in its answer.
+  void obey(std::span<const exchange::Command> commands) {
+    next_results_.clear();
+    const double time = next_.report.time;
+    for (const exchange::Command& command : commands) {
+      next_results_.push_back({command, outside_.take(command, time, states_, *engine_)});
+      std::vector<exchange::BodyState> before = states_;
+      look();
+      // Neither is a motion: the step's mean accelerations stay.
+      for (std::size_t b = 0; b < states_.size(); ++b) std::copy_n(before[b].acceleration, 6, states_[b].acceleration);
+      outside_.add_to(states_, time);
+    }
+    if (!commands.empty()) next_.report.hash = exchange::state_hash(states_);
   }
 
   void look() {
@@ -169,6 +202,7 @@ class Client {
     next_.contacts = contacts_.size();
     next_.force_mismatch = force_mismatch(wrenches_, contacts_);
     std::swap(pending_, next_);
+    std::swap(pending_results_, next_results_);
     has_pending_ = true;
   }
 
@@ -180,6 +214,12 @@ class Client {
     has_pending_ = false;
     Status sent = report_.accept(link_, pending_);
     time_ = pending_.report.time;
+    for (const Told& result : pending_results_) {
+      if (sent) sent = link_.command_result(pending_.report.step, time_, result.command.id, result.refused);
+      if (result.refused.empty() && result.command.kind == exchange::CommandKind::kGravity)
+        report_.gravity(result.command.values);
+    }
+    pending_results_.clear();
     if (sent && more && due_.at(time_)) sent = write_checkpoint();
     timing_.report_s += watch.seconds();
     return sent;
@@ -189,7 +229,7 @@ class Client {
 
   template <class A>
   void state(A& a) {
-    a("time", time_), a("engine", saved_), a("report", report_);
+    a("time", time_), a("engine", saved_), a("pushes", saved_pushes_), a("report", report_);
   }
 
   Status write_checkpoint() {
@@ -209,6 +249,7 @@ class Client {
     state(reader);
     if (auto read = reader.status(); !read) return read;
     if (auto restored = engine_->restore(saved_); !restored) return restored;
+    outside_.restore(saved_pushes_);
     look();
     const StepRecord& last = report_.last_step();
     if (last.states.size() != states_.size() || last.report.step != segment_.first_step())
@@ -228,6 +269,15 @@ class Client {
   std::unique_ptr<Engine> engine_;
   ClientReport report_;
   ClientReport::Timing timing_;
+  /// What became of a command in the step just done; told once the step cannot be taken back.
+  struct Told {
+    exchange::Command command;
+    std::string refused;
+  };
+  Outside outside_;
+  std::vector<Outside::Push> saved_pushes_;
+  std::vector<exchange::Wrench> acting_;  ///< the fluid's and those from outside
+  std::vector<Told> next_results_, pending_results_;
   std::vector<exchange::BodyState> states_;
   std::vector<exchange::Wrench> wrenches_;
   std::vector<exchange::Contact> contacts_;

@@ -58,6 +58,7 @@ double force_mismatch(std::span<const exchange::Wrench> wrenches, std::span<cons
 ClientReport::ClientReport(const exchange::ManifestView& manifest) : manifest_(manifest) {
   const std::size_t n = manifest.bodies.size();
   impulse_.assign(n, Vector3d::Zero());
+  gravity(manifest.world->gravity);
   jitter_max_.assign(n, 0);
   jitter_sum_.assign(n, 0);
 }
@@ -155,7 +156,7 @@ double ClientReport::energy(std::span<const BodyState> states) const {
     Eigen::Matrix3d inertia;
     inertia << i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2];
     sum += 0.5 * r.mass * vec(s.velocity).squaredNorm() + 0.5 * w.dot(inertia * w) -
-           r.mass * vec(manifest_.world->gravity).dot(vec(s.position));
+           r.mass * vec(gravity_.data()).dot(vec(s.position));
   }
   return sum;
 }

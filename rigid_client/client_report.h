@@ -1,6 +1,8 @@
 // The rigid process's part of the run record: rows of bodies, momentum received, contact sets checked, jitter, timings.
 #pragma once
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +38,8 @@ class ClientReport {
   Status accept(exchange::Link& link, const StepRecord& step);
   Status last(exchange::Link& link);
   void warn(exchange::Link& link, const std::string& text);
+  /// What energies are counted with from now on.
+  void gravity(const double* values) { std::copy_n(values, 3, gravity_.begin()); }
   const StepRecord& last_step() const { return last_; }
   /// Warnings that a resumed run takes over: once more to the coordinator.
   Status warn_again(exchange::Link& link) const;
@@ -48,7 +52,7 @@ class ClientReport {
     a("impulse", impulse_), a("impulse_total", impulse_total_), a("impulse_scale", impulse_scale_);
     a("energy_start", energy_start_), a("work", work_);
     a("jitter_max", jitter_max_), a("jitter_sum", jitter_sum_), a("jitter_steps", jitter_steps_);
-    a("warnings", warnings_);
+    a("warnings", warnings_), a("gravity", gravity_);
   }
 
   struct Timing {
@@ -74,6 +78,7 @@ class ClientReport {
   Eigen::Vector3d impulse_total_ = Eigen::Vector3d::Zero();
   double impulse_scale_ = 0;
   double energy_start_ = 0, work_ = 0;
+  std::array<double, 3> gravity_{};              // m/s^2, at the moment
   std::vector<double> jitter_max_, jitter_sum_;  // m/s^2
   std::uint64_t jitter_steps_ = 0;
   std::vector<std::string> warnings_;

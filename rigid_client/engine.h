@@ -28,6 +28,9 @@ class Engine {
   /// Everything that the next step depends on, warm start and random state included, as bytes.
   virtual void save(std::vector<std::byte>& out) const = 0;
   virtual Status restore(std::span<const std::byte> in) = 0;
+  /// A pose of a body that moves freely, or a gravity, from outside; between two steps. From here on in save() too.
+  /// Wrenches from outside come with apply(). What an engine cannot do it refuses by name.
+  virtual Status obey(const exchange::Command& command) = 0;
   /// What the engine leaves out although a scene may count on it, as a warning for the record; empty: nothing.
   virtual std::string lacks() const { return ""; }
   /// One line for the run record: engine, version, precision, stepper.

@@ -37,6 +37,7 @@ class FreeBodyEngine : public Engine {
   }
   void save(std::vector<std::byte>& out) const override { bodies_.save(out); }
   Status restore(std::span<const std::byte> in) override { return bodies_.restore(in); }
+  Status obey(const exchange::Command& command) override { return bodies_.obey(command); }
   std::string lacks() const override {
     return "engine free_body knows no contacts: bodies pass through each other and through walls; use coupling.engine: "
            "ode "

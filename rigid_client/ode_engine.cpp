@@ -64,6 +64,7 @@ class OdeEngine : public Engine {
   void mobility(std::span<exchange::BodyState> states) const override { bodies_.mobility(states, held_); }
   void save(std::vector<std::byte>& out) const override { bodies_.save(out); }
   Status restore(std::span<const std::byte> in) override { return bodies_.restore(in); }
+  Status obey(const exchange::Command& command) override { return bodies_.obey(command); }
 
   std::string describe() const override {
     return fmt::format("ode {}, double precision, direct stepper for small islands, QuickStep for large ones",

@@ -104,6 +104,20 @@ Status check_order(const Order& o, const Expected& e, const ManifestView& m) {
   if (!good_bound(o.next_dt)) return bad_field(e, "next_dt", number(o.next_dt), "a bound, or 0 for none");
   const auto n = static_cast<std::uint32_t>(m.bodies.size());
   if (o.bodies != n) return mismatch(e, "bodies", o.bodies, n);
+  if (o.commands > kMostCommands)
+    return bad_field(e, "commands", std::to_string(o.commands), "at most " + std::to_string(kMostCommands));
+  return ok();
+}
+
+Status check_command(const Command& c, const Expected& e, const ManifestView& m) {
+  const auto kind = static_cast<std::uint32_t>(c.kind);
+  if (kind < 1 || kind > 3) return bad_field(e, "kind of a command", std::to_string(kind), "1, 2 or 3");
+  if (c.kind != CommandKind::kGravity && c.body >= m.bodies.size())
+    return bad_field(e, "body of a command", std::to_string(c.body),
+                     "an index below " + std::to_string(m.bodies.size()));
+  for (const double v : c.values)
+    if (!std::isfinite(v)) return bad_field(e, "values of a command", number(v), "a finite number");
+  if (!std::isfinite(c.duration)) return bad_field(e, "duration of a command", number(c.duration), "a finite number");
   return ok();
 }
 

@@ -22,6 +22,7 @@ Status check_answer(const Answer& answer, const Expected& expected, const Manife
 Status check_wrenches(std::span<const Wrench> wrenches, const Expected& expected, const ManifestView& manifest);
 Status check_states(std::span<const BodyState> states, const Expected& expected, const ManifestView& manifest);
 Status check_contacts(std::span<const Contact> contacts, const Expected& expected, const ManifestView& manifest);
+Status check_command(const Command& command, const Expected& expected, const ManifestView& manifest);
 /// The error of a message whose `field` has the value seen.
 Error bad_field(const Expected& expected, const std::string& field, const std::string& seen, const std::string& wanted);
 

@@ -48,6 +48,8 @@ bool good_size(const FrameHead& head) {
              (head.bytes - sizeof(ParticleSetHead)) % sizeof(ParticleSample) == 0;
     case FrameKind::kCheckpoint:
       return head.bytes == sizeof(CheckpointPart);
+    case FrameKind::kCommand:
+      return head.bytes >= sizeof(CommandResult);
   }
   return false;
 }
@@ -77,6 +79,14 @@ CheckpointPart Frame::checkpoint() const {
   if (payload.size() == sizeof out) std::memcpy(&out, payload.data(), sizeof out);
   return out;
 }
+CommandResult Frame::command() const {
+  CommandResult out{};
+  if (payload.size() >= sizeof out) std::memcpy(&out, payload.data(), sizeof out);
+  return out;
+}
+std::string Frame::reason() const {
+  return payload.size() <= sizeof(CommandResult) ? std::string() : text().substr(sizeof(CommandResult));
+}
 std::vector<Contact> Frame::contacts() const {
   std::vector<Contact> out(payload.size() / sizeof(Contact));
   if (!out.empty()) std::memcpy(out.data(), payload.data(), out.size() * sizeof(Contact));
@@ -103,6 +113,18 @@ void Control::grant(std::uint64_t step) {
   // release: partner is the acquire in try_begin()
   s.header().granted.store(step, std::memory_order_release);
   ring_credit(s);
+}
+
+bool Control::send(const Command& command) {
+  Segment::Impl& s = segment_.impl();
+  beat(s);
+  Ring ring(s.header().commands, s.records<std::byte>(Part::kCommands));
+  // A corrupt tail gives a huge number here and so no room.
+  const std::uint64_t used = ring.used_by_writer(ring.load_tail());
+  if (used + sizeof command > ring.capacity()) return false;
+  ring.put(0, &command, sizeof command);
+  ring.publish(sizeof command);  // nobody sleeps on it: it is looked at when a step begins
+  return true;
 }
 
 void Control::stop() {

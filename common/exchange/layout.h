@@ -44,6 +44,7 @@ enum class Part : std::uint32_t {
   kFluidFinal,
   kRigidFinal,
   kResumeDir,
+  kCommands,
   kCount
 };
 inline constexpr std::size_t kParts = static_cast<std::size_t>(Part::kCount);
@@ -92,7 +93,7 @@ struct alignas(kLine) Header {
   alignas(kLine) Block parts[kParts];
   PeerLine peers[3];  ///< indexed by Role
   Mailbox order, answer;
-  RingCounters contacts, fluid_reports, rigid_reports;
+  RingCounters contacts, fluid_reports, rigid_reports, commands;
   alignas(kLine) Wide granted;  ///< coordinator: steps up to and including this one may begin
   Word credit;                  ///< coordinator: futex word, counts grants and stops
   alignas(kLine) Wide gate;     ///< any: highest step begun by a process; bit 63 (kClosed) set by the coordinator

@@ -39,6 +39,7 @@ Link::Waiting::Waiting(Segment::Impl& s, Role role) : segment(s), self(role), wa
   reports = Ring(fluid ? h.fluid_reports : h.rigid_reports,
                  s.records<std::byte>(fluid ? Part::kFluidReports : Part::kRigidReports));
   contacts = Ring(h.contacts, s.records<std::byte>(Part::kContacts));
+  if (s.block(Part::kCommands).bytes > 0) command_ring = Ring(h.commands, s.records<std::byte>(Part::kCommands));
   if (fluid) merged.resize(s.manifest.bodies.size());
   step = h.first_step;
 }
@@ -143,6 +144,37 @@ Status Link::frame(FrameKind kind, std::uint64_t step, double time, std::span<co
 Status Link::warning(std::uint64_t step, double time, std::string_view text) {
   const auto bytes = std::as_bytes(std::span(text.data(), std::min<std::size_t>(text.size(), 2048)));
   return waiting_->write_frame({FrameKind::kWarning, static_cast<std::uint32_t>(bytes.size()), step, time}, bytes);
+}
+
+Result<std::vector<Command>> Link::commands(std::uint64_t step) {
+  Waiting& w = *waiting_;
+  std::vector<Command> due;
+  if (w.command_ring.capacity() == 0) return due;
+  const std::uint32_t bytes = w.command_ring.readable();
+  if (bytes > w.command_ring.capacity() || bytes % sizeof(Command) != 0)
+    return bad_field(w.expected(Role::kCoordinator), "bytes in the command ring", std::to_string(bytes),
+                     "whole commands");
+  for (std::uint32_t at = 0; at < bytes; at += sizeof(Command)) {
+    w.command_ring.get(at, &w.commands.emplace_back(), sizeof(Command));
+    if (auto good = check_command(w.commands.back(), w.expected(Role::kCoordinator), w.segment.manifest); !good)
+      return good.error();
+  }
+  w.command_ring.release_to_writer(bytes);
+  std::erase_if(w.commands, [&](const Command& c) {
+    if (c.step > step || due.size() == kMostCommands) return false;
+    due.push_back(c);
+    return true;
+  });
+  return due;
+}
+
+Status Link::command_result(std::uint64_t step, double time, std::uint64_t id, std::string_view reason) {
+  const std::string_view text = reason.substr(0, 2048);
+  const CommandResult result{id, reason.empty() ? 0u : 1u, 0};
+  std::vector<std::byte> payload(sizeof result + text.size());
+  std::memcpy(payload.data(), &result, sizeof result);
+  if (!text.empty()) std::memcpy(payload.data() + sizeof result, text.data(), text.size());
+  return waiting_->write_frame({FrameKind::kCommand, static_cast<std::uint32_t>(payload.size()), step, time}, payload);
 }
 
 Status Link::checkpoint(std::uint64_t step, double time, const CheckpointPart& part) {

@@ -29,6 +29,7 @@ struct SegmentPlan {
   std::uint64_t first_step = 0;         ///< the run goes on after this step, from the checkpoint in resume_dir
   std::string resume_dir;               ///< absolute; empty: from the start
   double checkpoint_every = 0;          ///< s of simulated time; 0: no checkpoints
+  bool commands = false;                ///< a ring for commands from outside
   std::size_t contact_bytes = 1 << 20;  ///< ring fluid -> rigid
   std::size_t report_bytes = 8 << 20;   ///< ring of each process -> coordinator
   std::size_t final_bytes = 1 << 20;    ///< final report (JSON text) of each process
@@ -90,6 +91,11 @@ class Link {
   Status report(const StepReport& report);
   Status frame(FrameKind kind, std::uint64_t step, double time, std::span<const double> values);
   Status warning(std::uint64_t step, double time, std::string_view text);
+  /// Commands that take effect at the end of this step, kMostCommands at most: for the process that begins steps, once
+  /// per step. One look at a counter where there are none, nothing at all in a run that takes none.
+  Result<std::vector<Command>> commands(std::uint64_t step);
+  /// What became of a command; `reason` empty: it took effect at the end of this step.
+  Status command_result(std::uint64_t step, double time, std::uint64_t id, std::string_view reason);
   /// The process's part of the checkpoint after this step is written.
   Status checkpoint(std::uint64_t step, double time, const CheckpointPart& part);
   /// A frame for monitors. Never waits: while the ring is half full it is dropped and counted, so that monitors leave
@@ -118,7 +124,8 @@ class FluidLink : public Link {
   explicit FluidLink(Segment& segment);
   /// Posts the order with its wrenches (one per body) and contacts. A full contact ring: patches merged per body,
   /// counted.
-  Status send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts);
+  Status send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts,
+              std::span<const Command> commands = {});
   /// Waits for the answer to (step, iteration) and copies the states. Checks step, counts, finite numbers, unit
   /// quaternions.
   Result<Answer> receive(std::uint64_t step, std::uint32_t iteration, std::span<BodyState> states);
@@ -133,6 +140,8 @@ class RigidLink : public Link {
   /// An order with kEnd is the end of the run after its `step` (the fluid process was stopped and finished): no answer.
   Result<Order> receive(std::span<Wrench> wrenches, std::vector<Contact>& contacts);
   Status send(Answer answer, std::span<const BodyState> states);
+  /// Those of the order received last.
+  std::span<const Command> ordered_commands() const;
 };
 
 /// The coordinator's side.
@@ -144,6 +153,8 @@ struct Frame {
   std::string text() const;                ///< kWarning
   FluidStatistics fluid() const;           ///< kFluid
   CheckpointPart checkpoint() const;       ///< kCheckpoint
+  CommandResult command() const;           ///< kCommand
+  std::string reason() const;              ///< kCommand: why it was refused
   std::vector<Contact> contacts() const;   ///< kContacts
   ParticleSetHead particle_head() const;   ///< kParticles
   std::vector<ParticleSample> particles() const;
@@ -153,7 +164,9 @@ class Control {
  public:
   explicit Control(Segment& segment);
   void grant(std::uint64_t step);  ///< both may run steps up to and including this one
-  void stop();                     ///< end before the next step that both have not begun
+  /// Hands a command to the process that begins steps; false: no room, or a run without commands.
+  bool send(const Command& command);
+  void stop();  ///< end before the next step that both have not begun
   /// Takes all frames waiting from a process, in order. Checks sizes and kinds.
   Status drain(Role role, std::vector<Frame>& out);
   /// Sleeps until a process has posted something, or for the time given.

@@ -29,7 +29,9 @@ struct Link::Waiting {
   std::uint64_t step = 0;                  ///< of the last message sent or received
   std::uint32_t iteration = 0;
   std::uint64_t contacts_merged = 0;
-  std::vector<Contact> merged;  ///< one patch per body, for a full contact ring
+  Ring command_ring;
+  std::vector<Command> commands;  ///< begins steps: waiting; rigid: of the last order
+  std::vector<Contact> merged;    ///< one patch per body, for a full contact ring
 };
 
 inline Error misuse(const std::string& what) {

@@ -45,12 +45,14 @@ FluidLink::FluidLink(Segment& segment) : Link(segment, Role::kFluid) {}
 RigidLink::RigidLink(Segment& segment) : Link(segment, Role::kRigid) {}
 std::uint64_t FluidLink::contacts_merged() const { return waiting_->contacts_merged; }
 
-Status FluidLink::send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts) {
+Status FluidLink::send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts,
+                       std::span<const Command> commands) {
   Waiting& w = *waiting_;
   const std::size_t n = w.segment.manifest.bodies.size();
   if (!w.segment.takes_part(Role::kRigid)) return misuse("send(): no rigid process takes part in this run");
   if (w.posted + 1 != w.received) return misuse("send() without receive() before it");
   if (wrenches.size() != n) return misuse("send(): one wrench per body of the manifest is needed");
+  if (commands.size() > kMostCommands) return misuse("send(): more commands than an order has room for");
   for (const Contact& c : contacts) {
     if (c.body >= n) return misuse("send(): a contact's body index is outside the manifest");
   }
@@ -66,11 +68,13 @@ Status FluidLink::send(Order order, std::span<const Wrench> wrenches, std::span<
   order.bodies = static_cast<std::uint32_t>(n);
   order.contacts = static_cast<std::uint32_t>(contacts.size());
   order.contacts_lost = w.contacts_merged;
+  order.commands = static_cast<std::uint32_t>(commands.size());
   w.contacts.put(0, contacts.data(), contacts.size_bytes());
   w.contacts.publish(static_cast<std::uint32_t>(contacts.size_bytes()));
   std::byte* to = payload(w.segment, Part::kOrder);
   std::memcpy(to, &order, sizeof order);
   if (n != 0) std::memcpy(to + sizeof order, wrenches.data(), wrenches.size_bytes());
+  if (!commands.empty()) std::memcpy(to + sizeof order + wrenches.size_bytes(), commands.data(), commands.size_bytes());
   w.step = order.step;
   w.iteration = order.iteration;
   w.waiter.note_step(order.step);
@@ -117,6 +121,7 @@ Result<Order> RigidLink::receive(std::span<Wrench> wrenches, std::vector<Contact
     order.iteration = w.iteration;
     order.flags = kLast | kEnd;
     contacts.clear();
+    w.commands.clear();
     return order;
   }
   const Expected expected = w.expected(Role::kFluid);
@@ -126,6 +131,11 @@ Result<Order> RigidLink::receive(std::span<Wrench> wrenches, std::vector<Contact
   const ManifestView& m = w.segment.manifest;
   if (auto good = check_order(order, expected, m); !good) return good.error();
   if (auto good = check_wrenches(wrenches, expected, m); !good) return good.error();
+  w.commands.resize(order.commands);
+  if (!w.commands.empty())
+    std::memcpy(w.commands.data(), from + sizeof order + wrenches.size_bytes(), order.commands * sizeof(Command));
+  for (const Command& c : w.commands)
+    if (auto good = check_command(c, expected, m); !good) return good.error();
   const std::uint32_t bytes = w.contacts.readable();
   if (bytes > w.contacts.capacity() || bytes != order.contacts * sizeof(Contact)) {
     return bad_field(expected, "contacts", std::to_string(order.contacts),
@@ -140,6 +150,8 @@ Result<Order> RigidLink::receive(std::span<Wrench> wrenches, std::vector<Contact
   w.waiter.note_step(order.step);
   return order;
 }
+
+std::span<const Command> RigidLink::ordered_commands() const { return waiting_->commands; }
 
 Status RigidLink::send(Answer answer, std::span<const BodyState> states) {
   Waiting& w = *waiting_;

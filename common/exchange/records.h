@@ -9,7 +9,7 @@
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -104,6 +104,28 @@ struct Contact {
 };
 static_assert(sizeof(Contact) == 8 + 8 * 11);
 
+enum class CommandKind : std::uint32_t { kWrench = 1, kPose = 2, kGravity = 3 };
+
+/// What someone outside changes at the border of a step: coordinator -> the process that begins steps -> rigid.
+struct Command {
+  std::uint64_t id;    ///< from 1, in the order of sending
+  std::uint64_t step;  ///< takes effect at the end of this step (a replay); 0: of the next one to begin
+  CommandKind kind;
+  std::uint32_t body;  ///< index; kGravity: 0
+  double values[7];    ///< kWrench: force, N, torque, N m; kPose: position, m, w x y z; kGravity: m/s^2; else 0
+  double duration;     ///< kWrench: s; acts on all steps that begin before its end, on one at least
+};
+static_assert(sizeof(Command) == 24 + 8 * 8);
+inline constexpr std::uint32_t kMostCommands = 8;  ///< in one order; further ones wait for the next
+
+/// Heads the answer to a command, process -> coordinator; the reason follows as UTF-8 text where it was refused.
+struct CommandResult {
+  std::uint64_t id;
+  std::uint32_t refused;  ///< 0: it took effect at the end of the frame's step
+  std::uint32_t reserved;
+};
+static_assert(sizeof(CommandResult) == 16);
+
 enum OrderFlag : std::uint32_t {
   kLast = 1u,      ///< no step follows
   kRollBack = 2u,  ///< first restore the state before `step`, then apply this order
@@ -121,8 +143,10 @@ struct Order {
   std::uint32_t bodies;     ///< wrenches that follow: must equal the manifest's dynamic + prescribed + static bodies
   std::uint32_t contacts;   ///< contacts put into the ring for this step
   std::uint64_t contacts_lost;  ///< patches merged because the ring was full
+  std::uint32_t commands;       ///< that take effect at the end of this step, behind the wrenches
+  std::uint32_t reserved;
 };
-static_assert(sizeof(Order) == 56);
+static_assert(sizeof(Order) == 64);
 
 /// Heads every message rigid -> fluid.
 struct Answer {
@@ -201,9 +225,10 @@ enum class FrameKind : std::uint32_t {
   kFluid = 4,
   kContacts = 5,
   kParticles = 6,
-  kCheckpoint = 7
+  kCheckpoint = 7,
+  kCommand = 8
 };
-inline constexpr std::uint32_t kFrameKinds = 8;
+inline constexpr std::uint32_t kFrameKinds = 9;
 /// Bit of Header::monitor that asks for frames of a kind.
 constexpr std::uint32_t monitor_bit(FrameKind kind) { return 1u << static_cast<std::uint32_t>(kind); }
 struct FrameHead {

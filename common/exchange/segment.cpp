@@ -23,6 +23,7 @@ namespace {
 namespace bip = boost::interprocess;
 
 constexpr const char* kFolder = "/dev/shm/";
+constexpr std::size_t kCommandBytes = 1 << 20;  // 10 000 commands; a replay has all of its own in it from the start
 
 /// Path of a segment without a name: /proc/<pid of its coordinator>/fd/<number>.
 bool is_path(const std::string& name) { return name.starts_with("/proc/"); }
@@ -58,7 +59,7 @@ std::uint64_t lay_out(const SegmentPlan& plan, Block (&parts)[kParts]) {
       m.triangles.size() * sizeof(std::uint32_t),
       plan.scene_text.size(),
       plan.out_dir.size(),
-      both ? sizeof(Order) + n * sizeof(Wrench) : 0,
+      both ? sizeof(Order) + n * sizeof(Wrench) + kMostCommands * sizeof(Command) : 0,
       both ? sizeof(Answer) + n * sizeof(BodyState) : 0,
       contacts,
       plan.fluid ? ring_bytes(plan.report_bytes) : 0,
@@ -66,6 +67,7 @@ std::uint64_t lay_out(const SegmentPlan& plan, Block (&parts)[kParts]) {
       plan.fluid ? plan.final_bytes : 0,
       plan.rigid ? plan.final_bytes : 0,
       plan.resume_dir.size(),
+      plan.commands ? ring_bytes(kCommandBytes) : 0,
   };
   std::uint64_t end = kHeaderBytes;
   for (std::size_t i = 0; i < kParts; ++i) {

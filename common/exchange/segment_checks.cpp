@@ -83,14 +83,14 @@ Status check_header(const Header& h, const Block (&parts)[kParts], std::uint64_t
   }
   const auto bytes = [&](Part part) { return parts[static_cast<std::size_t>(part)].bytes; };
   if (bytes(Part::kWorld) != sizeof(WorldRecord)) return refused("parts: the world has a wrong size", kDamaged);
-  for (Part ring : {Part::kContacts, Part::kFluidReports, Part::kRigidReports}) {
+  for (Part ring : {Part::kContacts, Part::kFluidReports, Part::kRigidReports, Part::kCommands}) {
     if (bytes(ring) != 0 && !std::has_single_bit(bytes(ring))) {
       return refused("parts: the size of a ring is no power of two", kDamaged);
     }
   }
   const std::uint64_t n = bytes(Part::kBodies) / sizeof(BodyRecord);
   if (h.fluid_takes_part && h.rigid_takes_part &&
-      (bytes(Part::kOrder) != sizeof(Order) + n * sizeof(Wrench) ||
+      (bytes(Part::kOrder) != sizeof(Order) + n * sizeof(Wrench) + kMostCommands * sizeof(Command) ||
        bytes(Part::kAnswer) != sizeof(Answer) + n * sizeof(BodyState) || bytes(Part::kContacts) == 0)) {
     return refused("parts: a mailbox does not fit the number of bodies", kDamaged);
   }

@@ -39,6 +39,10 @@ class Response {
   void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
              const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme, Films films);
 
+  /// Of the films; the samples' comes with the constants.
+  void set_gravity(const Vec3& gravity) {
+    if (films_) films_->set_gravity(gravity);
+  }
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
   /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.

@@ -30,6 +30,7 @@ class Seepage {
   /// on a place already, no film does.
   void solve(std::span<const exchange::BodyState> states, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
 
+  void set_gravity(const Vec3& gravity) { weight_ = density_ * gravity; }
   bool empty() const { return films_.empty(); }
   /// Wrenches of the films on all bodies, action equal to reaction, about the centres of mass. A film can open its gap
   /// no faster than water flows in from the rim, driven by its pressure (Bernoulli): v = h / l sqrt(2 p / rho), h the

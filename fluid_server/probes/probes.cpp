@@ -145,6 +145,18 @@ std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
   return row;
 }
 
+std::size_t count_inside(const Body& body, const Pose& pose, const WcsphFluid& fluid) {
+  const Box3 bounds = body.solid.bounds();
+  std::size_t inside = 0;
+  for (const Record& r : fluid.particles().record) {
+    const Vec3 local = pose.rotation.conjugate() * (fluid.coordinates().to_metres(r.x, r.y, r.z) - pose.position);
+    if (((local - bounds.min).array() >= 0).all() && ((bounds.max - local).array() >= 0).all() &&
+        body.solid.distance(local) < 0)
+      ++inside;
+  }
+  return inside;
+}
+
 std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,
                             std::span<const exchange::BodyState> states) {
   const double tolerance = 0.5 * fluid.spacing();

@@ -23,6 +23,8 @@ double pressure_at(const WcsphFluid& fluid, const Vec3& point);
 /// Value at the point of the linear field that fits the particles' velocities best, weighted by the kernel, m/s: exact
 /// for linear fields also beside walls, where a mean would lag behind; 0 away from fluid.
 Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point);
+/// Particles whose centre a body would hold at a pose.
+std::size_t count_inside(const Body& body, const Pose& pose, const WcsphFluid& fluid);
 
 /// Particles that are more than half a spacing inside a solid or outside every container that the scene has.
 std::size_t count_misplaced(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid,

@@ -122,6 +122,11 @@ void WcsphFluid::move() {
   }
 }
 
+void WcsphFluid::set_gravity(const Vec3& gravity) {
+  for (int k = 0; k < 3; ++k) constants_.gravity[k] = static_cast<float>(gravity[k]);
+  response_->set_gravity(gravity);
+}
+
 void WcsphFluid::roll_back() {
   std::swap(particles_, before_);
   facts_ = facts_before_;

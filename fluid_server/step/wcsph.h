@@ -86,6 +86,9 @@ class WcsphFluid {
   Scheme scheme() const { return scheme_; }
   const ImplicitPressure* implicit() const { return implicit_.get(); }  ///< null: weakly compressible
 
+  /// From the next step on, m/s^2.
+  void set_gravity(const Vec3& gravity);
+
   /// All that later steps and the record depend on (common/checkpoint/state.h); between two steps.
   template <class A>
   void state(A& a) {

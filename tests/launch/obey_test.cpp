@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 namespace ballast::launch {
 namespace {
 
@@ -17,40 +15,40 @@ TEST(Obey, SetsNoBoundUnasked) {
 
 TEST(Obey, PausesStepsAndResumes) {
   Obey obey;
-  obey.take({"pause"}, 100, 0.5);
+  obey.take({.action = "pause"}, 100, 0.5);
   EXPECT_TRUE(obey.paused());
   EXPECT_EQ(obey.limit(), 100u);
-  obey.take({"step", 3}, 100, 0.5);
+  obey.take({.action = "step", .steps = 3}, 100, 0.5);
   EXPECT_EQ(obey.limit(), 103u);
-  obey.take({"step", 1}, 102, 0.5);  // the last of the three is still under way
+  obey.take({.action = "step", .steps = 1}, 102, 0.5);  // the last of the three is still under way
   EXPECT_EQ(obey.limit(), 104u);
-  obey.take({"resume"}, 104, 0.52);
+  obey.take({.action = "resume"}, 104, 0.52);
   EXPECT_FALSE(obey.paused());
   EXPECT_EQ(obey.limit(), std::nullopt);
 }
 
 TEST(Obey, CountsAStepThatWasUnderWayAtThePauseAmongTheNext) {
   Obey obey;
-  obey.take({"pause"}, 100, 0.5);
-  obey.take({"step", 2}, 101, 0.5);  // 101 had begun
+  obey.take({.action = "pause"}, 100, 0.5);
+  obey.take({.action = "step", .steps = 2}, 101, 0.5);  // 101 had begun
   EXPECT_EQ(obey.limit(), 103u);
 }
 
 TEST(Obey, StopsAtOnceAlsoWhilePaused) {
   Obey obey;
-  obey.take({"pause"}, 10, 0.1);
-  obey.take({"stop"}, 10, 0.1);
+  obey.take({.action = "pause"}, 10, 0.1);
+  obey.take({.action = "stop"}, 10, 0.1);
   EXPECT_TRUE(obey.stop_due(10));
 }
 
 TEST(Obey, RecordsEveryCommandAndWhyItWasRefused) {
   Obey obey;
-  obey.take({"resume"}, 1, 0.1);
-  obey.take({"step", 2}, 2, 0.2);
-  obey.take({"pause"}, 3, 0.3);
-  obey.take({"pause"}, 4, 0.4);
-  obey.take({"step", -1}, 5, 0.5);
-  obey.take({"explode"}, 6, 0.6);
+  obey.take({.action = "resume"}, 1, 0.1);
+  obey.take({.action = "step", .steps = 2}, 2, 0.2);
+  obey.take({.action = "pause"}, 3, 0.3);
+  obey.take({.action = "pause"}, 4, 0.4);
+  obey.take({.action = "step", .steps = -1}, 5, 0.5);
+  obey.take({.action = "explode"}, 6, 0.6);
   ASSERT_EQ(obey.record().size(), 6u);
   const char* reasons[] = {"not paused", "not paused", nullptr, "paused already", "1 or more", "unknown"};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -67,19 +65,10 @@ TEST(Obey, ReplaysAStopAfterTheStepOfTheRecord) {
   EXPECT_EQ(obey.limit(), 42u);
   EXPECT_FALSE(obey.stop_due(41));
   EXPECT_TRUE(obey.stop_due(42));
-  obey.take({"pause"}, 40, 0);
+  obey.take({.action = "pause"}, 40, 0);
   EXPECT_EQ(obey.limit(), 40u);
-  obey.take({"step", 9}, 40, 0);
+  obey.take({.action = "step", .steps = 9}, 40, 0);
   EXPECT_EQ(obey.limit(), 42u) << "never beyond the end of the first run";
-}
-
-TEST(StopStep, ComesFromTheRecordOrIsAnErrorThatSaysWhy) {
-  const std::string path = testing::TempDir() + "/ballast_obey_record.json";
-  std::ofstream(path) << R"({"stopped_after_step": 17})";
-  EXPECT_EQ(*stop_step_of(path), 17u);
-  std::ofstream(path) << R"({"steps": 17})";
-  EXPECT_NE(stop_step_of(path).error().what.find("stopped by a command"), std::string::npos);
-  EXPECT_NE(stop_step_of("no such file").error().what.find("cannot read"), std::string::npos);
 }
 
 }  // namespace

@@ -14,6 +14,8 @@ std::vector<unsigned char> encoded(const std::string& action, std::int64_t steps
   command_t message;
   message.action = action;
   message.steps = steps;
+  message.body = "crate";
+  message.gravity[2] = -1.62;
   std::vector<unsigned char> bytes(static_cast<std::size_t>(message.getEncodedSize()));
   message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   return bytes;
@@ -25,11 +27,13 @@ TEST(CommandMessage, IsReadAsItWasWritten) {
   ASSERT_TRUE(command);
   EXPECT_EQ(command->action, "step");
   EXPECT_EQ(command->steps, 12);
+  EXPECT_EQ(command->body, "crate");
+  EXPECT_EQ(command->gravity[2], -1.62);
 }
 
 TEST(CommandMessage, WithAnyByteOfItsLengthWrongIsNone) {
   const auto good = encoded("pause", 1);
-  for (std::size_t at = 8; at < 12; ++at)
+  for (const std::size_t at : {8, 9, 10, 11, 26, 27, 28, 29})  // "pause" and its zero, 8 bytes of steps in between
     for (int value = 0; value < 256; ++value) {
       auto bytes = good;
       if (bytes[at] == value) continue;

@@ -5,8 +5,8 @@ Usage: foreign_rigid.py NAME. It polls instead of sleeping, and always wakes; se
 """
 import ctypes, mmap, os, platform, stat, struct, sys, time
 
-ORDER, ANSWER, RIGID_REPORTS, GATE, NEWS = 768, 896, 1536, 1920, 2048
-FLUID, RIGID, COORDINATOR = 384, 512, 640
+ORDER, ANSWER, CONTACTS, RIGID_REPORTS, GATE, NEWS = 896, 1024, 1152, 1664, 2304, 2432
+FLUID, RIGID, COORDINATOR = 512, 640, 768
 FUTEX_WAKE, SYS_FUTEX = 1, {"x86_64": 202, "aarch64": 98}[platform.machine()]
 libc = ctypes.CDLL(None, use_errno=True)
 
@@ -33,10 +33,10 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 3, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 4, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
-        self.parts = [self.get("QQ", 128 + 16 * i) for i in range(16)]
+        self.parts = [self.get("QQ", 128 + 16 * i) for i in range(17)]
 
     def get(self, form, at):
         return struct.unpack_from("<" + form, self.m, at)
@@ -129,18 +129,20 @@ def main(name):
         if seg.word(ORDER).value != received:
             fail("sequence")
         at = seg.parts[8][0]
-        step, iteration, flags, t, dt, _, count, contacts, _ = seg.get("QIIdddIIQ", at)
+        step, iteration, flags, t, dt, _, count, contacts, _, commands, _ = seg.get("QIIdddIIQII", at)
         if count != n:
             fail("bodies")
+        if commands:
+            fail("this process obeys no commands")
         if flags & 2:
             bodies = [(m, list(x)) for m, x in saved]
         elif pending:
             report(*pending)
         saved = [(m, list(x)) for m, x in bodies]
-        tail = seg.word(1024 + 128)
+        tail = seg.word(CONTACTS + 128)
         tail.value = (tail.value + 96 * contacts) % 2**32
         for b, (mass, x) in enumerate(bodies):
-            force = seg.get("3d", at + 56 + 48 * b)
+            force = seg.get("3d", at + 64 + 48 * b)
             for k in range(3):
                 x[7 + k] += dt * (gravity[k] + force[k] / mass)
                 x[k] += dt * x[7 + k]

@@ -40,6 +40,8 @@ const std::map<std::string, std::size_t> kSizes = {{"Header", sizeof(Header)},
                                                    {"FluidStatistics", sizeof(FluidStatistics)},
                                                    {"ParticleSetHead", sizeof(ParticleSetHead)},
                                                    {"ParticleSample", sizeof(ParticleSample)},
+                                                   {"Command", sizeof(Command)},
+                                                   {"CommandResult", sizeof(CommandResult)},
                                                    {"CheckpointPart", sizeof(CheckpointPart)},
                                                    {"FrameHead", sizeof(FrameHead)}};
 
@@ -77,6 +79,8 @@ TEST(layout, keeps_every_writer_on_lines_of_its_own) {
                                offsetof(Header, fluid_reports) + 128,
                                offsetof(Header, rigid_reports),
                                offsetof(Header, rigid_reports) + 128,
+                               offsetof(Header, commands),
+                               offsetof(Header, commands) + 128,
                                offsetof(Header, granted),
                                offsetof(Header, gate),
                                offsetof(Header, news)};
