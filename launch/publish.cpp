@@ -153,7 +153,8 @@ Publisher::~Publisher() {
 }
 
 void Publisher::take(Role role, Frame&& frame) {
-  if (frame.head.kind == FrameKind::kStep || frame.head.kind == FrameKind::kProbes) return;
+  for (const FrameKind silent : {FrameKind::kStep, FrameKind::kProbes, FrameKind::kCheckpoint, FrameKind::kCommand})
+    if (frame.head.kind == silent) return;
   if (frame.head.kind == FrameKind::kBodies && role != Role::kRigid) return;  // as the collector: theirs alone count
   const std::size_t bytes = kItemBytes + frame.payload.size();
   worker_->queue.offer(FrameItem{role, std::move(frame)}, bytes);

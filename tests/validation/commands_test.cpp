@@ -121,6 +121,29 @@ TEST_F(Commands, GiveTheSameBitsWithOtherThreadsAndFromACheckpoint) {
   EXPECT_EQ(resumed.record()["commands"].size(), 5u) << resumed.record()["commands"].dump(1);
 }
 
+/// Steps of eight times the sound's limit: some are done again, with their commands, which must count once.
+TEST_F(Commands, CountOnceInStepsThatAreTakenBack) {
+  const Words blocks{scene("stacked_blocks"), "--spacing", "5cm", "--duration", "0.4s", "--set", "numerics.courant=8"};
+  json pushes = json::array();
+  for (int step = 5; step < 150; ++step)
+    pushes.push_back(at(step, wrench("block_0_0_2", {0.5 * (step % 3), 0, 1}, 3e-3)));
+  write(pushes);
+  for (const char* folder : {"a", "b"}) fs::create_directories(scratch.path / folder);
+  Words words = replayed(blocks);
+  words.insert(words.end(), {"--checkpoint", "50ms", "--threads", "1"});
+  Command first(scratch.path / "a", words);
+  ASSERT_NE(first.wait(), 5) << first.text();
+  ASSERT_GT(first.record()["step_limits"].value("retry", 0), 0) << "this test has no power";
+  ASSERT_EQ(first.record()["commands"].size(), pushes.size());
+  for (std::size_t k = 0; k < pushes.size(); ++k) {
+    EXPECT_EQ(first.record()["commands"][k]["step"], pushes[k]["step"]);
+    EXPECT_FALSE(first.record()["commands"][k].contains("refused"));
+  }
+  Command resumed(scratch.path / "b", {"--resume", (scratch.path / "a/out").string(), "--replay", replay.string()});
+  resumed.wait();
+  EXPECT_EQ(resumed.record()["state_hash"], first.record()["state_hash"]) << resumed.text();
+}
+
 /// Half the gravity, half the weight on the tank; 5 %: the sudden change rings in the column.
 TEST_F(Commands, ChangeTheWeightOfWater) {
   write(json::array({at(100, gravity(-4.905))}));
