@@ -168,19 +168,22 @@ Collector::Snapshot Collector::snapshot(const Mark& fluid, const Mark& rigid) co
   return out;
 }
 
-void Collector::go_on(const Snapshot& from) {
-  const auto fill = [](Table& table, CsvFile& file, std::span<const double> times, std::span<const double> values) {
+Status Collector::go_on(const Snapshot& from) {
+  const auto fill = [](Table& table, CsvFile& file, std::span<const double> times,
+                       std::span<const double> values) -> Status {
     const std::size_t n = table.columns.size();
     for (std::size_t row = 0; row < times.size(); ++row) {
       table.add(times[row], values.subspan(row * n, n));
-      file.row(times[row], values.subspan(row * n, n));
+      if (Status s = file.row(times[row], values.subspan(row * n, n)); !s) return s;
     }
+    return ok();
   };
-  fill(bodies_, bodies_file_, from.body_times, from.body_values);
-  fill(probes_, probes_file_, from.probe_times, from.probe_values);
+  if (Status s = fill(bodies_, bodies_file_, from.body_times, from.body_values); !s) return s;
+  if (Status s = fill(probes_, probes_file_, from.probe_times, from.probe_values); !s) return s;
   totals_ = from.totals;
   warnings_ = from.warnings;
   lockstep_.go_on(totals_[fluid_ ? 0 : 1].last.step);
+  return ok();
 }
 
 Status Collector::close() {

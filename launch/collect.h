@@ -73,7 +73,7 @@ class Collector {
   /// The rows of bodies as at one mark, those of probes as at another.
   Snapshot snapshot(const Mark& fluid, const Mark& rigid) const;
   /// Starts from a snapshot: rows go into the files again, totals and warnings go on.
-  void go_on(const Snapshot& snapshot);
+  Status go_on(const Snapshot& snapshot);
 
   const Table& bodies() const { return bodies_; }
   const Table& probes() const { return probes_; }

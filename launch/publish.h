@@ -40,7 +40,8 @@ class Publisher {
   static Result<std::unique_ptr<Publisher>> make(const Prepared& prepared, const std::string& url);
   ~Publisher();
 
-  /// Takes over a frame that has been collected. Steps, probes, checkpoints and answers to commands make no message; a full queue drops, and counts.
+  /// Takes over a frame that has been collected. Steps, probes, checkpoints and answers to commands make no message; a
+  /// full queue drops, and counts.
   void take(exchange::Role role, exchange::Frame&& frame);
   /// Ten times a second.
   bool status_due() const { return Clock::now() >= next_status_; }

@@ -326,7 +326,8 @@ int run(const RunOptions& options) {
   }
   auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, out_dir);
   if (!collector) return fail(collector.error());
-  if (from) collector->go_on(from->collected);
+  if (from)
+    if (Status s = collector->go_on(from->collected); !s) return fail(s.error());
 
   exchange::SegmentPlan plan;
   plan.manifest = make_manifest(prepared->scene, prepared->bodies);

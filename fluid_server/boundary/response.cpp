@@ -71,9 +71,37 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
       const Eigen::Vector3f own(record.vx, record.vy, record.vz);
       const Eigen::Vector3f seen = 2.f * own - Eigen::Vector3f::Map(sum.wv) / sum.w;
       extras.viscous[item] = {seen[0], seen[1], seen[2], -1.f};
-      wet.force += volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
+      const Eigen::Vector3f drag = volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
+      wet.force += drag;
+      // Both act at the surface; the pairs' sum is mu du/dn and lacks mu (grad u)^T n, which is mu n x spin on a body.
+      const Eigen::Vector3f depth = samples_.depth[sample] * (q.cast<float>() * samples_.normal[sample]);
+      const Eigen::Vector3f spin = Vec3::Map(state.angular_velocity).cast<float>();
+      const Eigen::Vector3f turned = 2 * sum.wmu / sum.w * spin.cross(wet.area);
+      wet.couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
     }
   }
+}
+
+double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleSums>& sums,
+                           std::span<const exchange::BodyState> states) const {
+  std::vector<Matrix6> drag(states.size(), Matrix6::Zero());
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    if (!(sums[s].w > 0)) continue;
+    const std::uint32_t sample = items.source[items.sample_item[s]] & ~Neighbourhood::kSample;
+    const Vec3 arm = wet_[sample].arm.cast<double>();
+    Eigen::Matrix<double, 3, 6> velocity;  // of the sample, from the body's twist
+    velocity << Eigen::Matrix3d::Identity(),
+        -(Eigen::Matrix3d() << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0).finished();
+    // What a sample is taken to move at changes twice as much as it does: 2 v_b - v_fluid.
+    drag[samples_.body[sample]] -= 2 * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
+  }
+  double fastest = 0;
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    if (mobility.isZero(0)) continue;
+    fastest = std::max(fastest, (mobility * drag[b]).eigenvalues().real().maxCoeff());
+  }
+  return fastest;
 }
 
 Vector6 Response::film(std::size_t body) const {
@@ -108,7 +136,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       const Vec3 centripetal = spin_[b].cross(spin_[b].cross(arm));
       const Vec3 known = wet.force.cast<double>();
       force.head<3>() += known;
-      force.tail<3>() += arm.cross(known);
+      force.tail<3>() += arm.cross(known) + wet.couple.cast<double>();
       force += per_pressure * (wet.p0 - centripetal.dot(reach));
       added.noalias() += per_pressure * per_acceleration.transpose();
     }
@@ -135,7 +163,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
       final_force_[sample] = wet.force + p * wet.area;
       const Vec3 f = final_force_[sample].cast<double>();
       force += f;
-      torque += arm.cross(f);
+      torque += arm.cross(f) + wet.couple.cast<double>();
     }
     Vec3::Map(wrenches_[b].force) = force;
     Vec3::Map(wrenches_[b].torque) = torque;

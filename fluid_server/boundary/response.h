@@ -33,8 +33,9 @@ class Response {
   /// From the sums of the wet samples: extrapolated pressure of each into items.record (Adami, Hu and Adams 2012)
   ///   p_b = [sum V_k W p_k + (G - a_b) . sum V_k W rho_k (x_b - x_k)] / sum V_k W,
   /// velocity that the viscous term sees (2 v_b - mean of the fluid's) into extras.viscous, and the wrenches, which are
-  /// minus the forces that accelerate() will put on the particles. For a free body with mobility K and free
-  /// acceleration a0
+  /// minus the forces that accelerate() will put on the particles; viscous ones also turn the body by what the pairs
+  /// leave out: between them acts mu du/dn, whose force on a closed surface is right, but whose torque lacks that of mu
+  /// (grad u)^T n, -2 mu V spin for a body without slip. For a free body with mobility K and free acceleration a0
   ///   a = a0 + K (F - Q a),  F the wrench at a = 0, Q a the wrench that the term -a_b adds: one 6x6 system per body.
   void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
              const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme, Films films);
@@ -43,6 +44,11 @@ class Response {
   void set_gravity(const Vec3& gravity) {
     if (films_) films_->set_gravity(gravity);
   }
+  /// Fastest rate at which the viscous forces on the samples slow any free body, 1/s: largest eigenvalue of K times
+  /// their change per twist.
+  double drag_rate(const Neighbourhood& items, const std::vector<SampleSums>& sums,
+                   std::span<const exchange::BodyState> states) const;
+
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
   /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
@@ -67,12 +73,13 @@ class Response {
  private:
   struct Wet {  // one wet sample
     std::uint32_t item, body;
-    Eigen::Vector3f arm;    // world, from the centre of mass
-    float penetration;      // of the nearest particle's edge below the surface, m
-    float p0;               // pressure without the body's acceleration
-    Eigen::Vector3f reach;  // sum V W rho (x_b - x_k) / sum V W
-    Eigen::Vector3f area;   // S: force per unit pressure
-    Eigen::Vector3f force;  // what does not depend on p_b
+    Eigen::Vector3f arm;                               // world, from the centre of mass
+    float penetration;                                 // of the nearest particle's edge below the surface, m
+    float p0;                                          // pressure without the body's acceleration
+    Eigen::Vector3f reach;                             // sum V W rho (x_b - x_k) / sum V W
+    Eigen::Vector3f area;                              // S: force per unit pressure
+    Eigen::Vector3f force;                             // what does not depend on p_b
+    Eigen::Vector3f couple = Eigen::Vector3f::Zero();  // torque of viscous forces beside that of `force` at `arm`
   };
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);

@@ -61,7 +61,7 @@ class Pairs {
     const Record& own = items_.record[item];
     const VF zero = hn::Zero(d);
     VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
-       pz = zero, wvx = zero, wvy = zero, wvz = zero, a = zero, ax = zero, ay = zero, az = zero;
+       pz = zero, wvx = zero, wvy = zero, wvz = zero, wmu = zero, a = zero, ax = zero, ay = zero, az = zero;
     VF nearest2 = hn::Set(d, kernel_.support2);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
@@ -87,6 +87,7 @@ class Pairs {
         const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
         const VF mu_g = hn::Mul(hn::Add(viscous.d, viscous.d), vg);
         a = hn::Add(a, mu_g);
+        wmu = hn::MulAdd(vw, viscous.d, wmu);
         ax = hn::MulAdd(mu_g, motion.a, ax);
         ay = hn::MulAdd(mu_g, motion.b, ay);
         az = hn::MulAdd(mu_g, motion.c, az);
@@ -101,6 +102,7 @@ class Pairs {
          {total(gx), total(gy), total(gz)},
          {total(px), total(py), total(pz)},
          {total(wvx), total(wvy), total(wvz)},
+         total(wmu),
          total(a),
          {total(ax), total(ay), total(az)},
          std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2)))};

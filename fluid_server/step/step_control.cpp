@@ -11,8 +11,8 @@ Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine
   const auto shorten = [&](double bound, Limit limit) {
     if (bound < step.dt) step = {bound, limit};
   };
-  if (limits.kinematic_viscosity > 0)
-    shorten(limits.h * limits.h / (8 * limits.kinematic_viscosity), Limit::kViscosity);
+  if (limits.kinematic_viscosity > 0) shorten(viscous_step(limits.h, limits.kinematic_viscosity), Limit::kViscosity);
+  if (facts.drag_rate > 0) shorten(1 / facts.drag_rate, Limit::kViscosity);
   if (limits.implicit && facts.max_speed > 0)
     shorten(limits.longest_move * limits.spacing / facts.max_speed, Limit::kSpeed);
   if (!limits.implicit && facts.max_acceleration > 0)

@@ -62,6 +62,9 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
                    Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
   response_->gather_contacts(states);
+  constexpr double kMayMatter = 0.01;  // of the fluid's own bound: bodies far lighter than a spacing of fluid are rare
+  if (constants_.viscous && dt > kMayMatter * viscous_step(constants_.kernel.h(), kinematic_viscosity_))
+    facts_.drag_rate = response_->drag_rate(*items_, sums_, states);
 }
 
 void WcsphFluid::prepare_extras() {

@@ -128,6 +128,7 @@ class WcsphFluid {
   std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
   ImplicitOptions implicit_options_;
   StepFacts facts_, facts_before_;
+  double kinematic_viscosity_ = 0;  // largest, m^2/s
   std::function<void()> sign_of_life_;
   StageTimes times_;
   std::uint64_t lost_ = 0, lost_before_ = 0;

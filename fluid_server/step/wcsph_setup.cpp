@@ -125,6 +125,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.filled_ = *std::move(filled);
   for (const FluidProperties& one : self.filled_.fluids) {
     self.constants_.several_densities |= one.density != self.filled_.fluids[0].density;
+    self.kinematic_viscosity_ = std::max(self.kinematic_viscosity_, static_cast<double>(one.viscosity) / one.density);
     self.constants_.viscous |= one.viscosity > 0;
   }
   self.extras_.density.assign(1, self.filled_.fluids[0].density);
