@@ -82,6 +82,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
           particles.record[f].volume * source_of(particles.compression[f]) - static_cast<float>(dt_ * divergence_[f]);
     }
   });
+  balance_closed(particles, mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
   history_.clear();
@@ -120,6 +121,26 @@ void ImplicitPressure::find_shares() {
   });
   average_onto_samples(*items_, *constants_, pairs_, inside_, share_);
   for (float& share : share_) share = std::clamp((share - kNone) / (kAll - kNone), 0.f, 1.f);
+}
+
+/// A fluid without a surface cannot change its volume, and no pressure answers the mean of the right side but a uniform
+/// one, which moves disordered particles a little: it would grow until it does (Taylor-Green vortices stood still after
+/// two steps). Takes that mean away, and gives the uniform pressure a weight of its own, that of one particle.
+void ImplicitPressure::balance_closed(const Particles& particles, double mean_diagonal) {
+  const std::size_t n = particles.size();
+  const auto [sum, volume, surface] = sum_blocks<3>(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+    double right = 0, all = 0, bounded = 0;
+    for (std::size_t f = begin; f < end; ++f)
+      right += right_[f], all += particles.record[f].volume, bounded += bounded_[f];
+    return std::array<double, 3>{right, all, bounded};
+  });
+  uniform_ = 0;
+  if (surface > 0 || !(volume > 0)) return;
+  uniform_ = mean_diagonal;
+  const float whole = static_cast<float>(sum / volume);
+  for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) right_[f] -= particles.record[f].volume * whole;
+  });
 }
 
 void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
@@ -216,6 +237,17 @@ void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& ou
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) out[f] = dt2 * out[f] + yielding_[f] * x[f];
   });
+  if (uniform_ > 0) {
+    const auto [sum] = sum_blocks<1>(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+      double part = 0;
+      for (std::size_t f = begin; f < end; ++f) part += x[f];
+      return std::array<double, 1>{part};
+    });
+    const float push = static_cast<float>(uniform_ * sum / static_cast<double>(n));
+    for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) out[f] += push;
+    });
+  }
   if (bodies_.empty()) return;
   bodies_.reduce(x, reduced_);
   bodies_.spread(reduced_, out);

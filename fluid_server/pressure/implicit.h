@@ -64,6 +64,7 @@ class ImplicitPressure : private QuadraticProgram {
   bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
 
   void find_shares();
+  void balance_closed(const Particles& particles, double mean_diagonal);
   void correct_compression(Particles& particles);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
@@ -82,6 +83,7 @@ class ImplicitPressure : private QuadraticProgram {
   BodyRows bodies_;
   std::vector<RowSums> rows_;
   PairGradients pairs_;
+  double uniform_ = 0;                 // weight of a uniform pressure: balance_closed
   std::vector<float> inside_, share_;  // find_shares
   std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_;
   std::vector<std::uint8_t> bounded_;
