@@ -1,6 +1,7 @@
 // Pressure of the films between solids in contact.
 #include "fluid_server/boundary/seepage.h"
 
+#include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@ namespace {
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
 constexpr double kRough = 0.05;               // gap of solids that touch, spacings: what is left open at corners
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
+constexpr double kMostChange = 0.5;           // share of a film's area that closing a body may add or take
 constexpr int kSweeps = 20;                   // over the films of all bodies: stacks of ten
 constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
 
@@ -64,6 +66,7 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
 void Seepage::solve(std::span<const exchange::BodyState> states,
                     const std::function<std::optional<Wet>(std::uint32_t)>& wet) {
   films_.clear();
+  closed_.clear();
   for (const Face& face : faces_) {
     if (!cover(face, states)) continue;
     const auto column = [&](const Vec3& point) { return weight_.dot(point - Vec3::Map(states[face.body].position)); };
@@ -90,7 +93,7 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
     const Quat rotation = rotation_of(states[face.body]);
     for (std::size_t i = 0; i < covered_.size(); ++i) {
       const Covered& c = covered_[i];
-      if (!c.reached) continue;
+      if (!c.reached || counted(face, c.other)) continue;
       const double p = std::max(c.head + column(c.point), 0.0);  // a film bears no tension
       const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
       const Vec3 force = -p * area * c.normal;
@@ -100,6 +103,7 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
       film.gap += area * c.gap;
       film.point += p * area * c.point;
       film.normal += p * area * c.normal;
+      film.face += area * c.normal;
       const auto add = [&](Vector6& wrench, std::uint32_t body, double sign) {
         wrench.head<3>() += sign * force;
         wrench.tail<3>() += (c.point - Vec3::Map(states[body].position)).cross(sign * force);
@@ -107,7 +111,53 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
       add(film.on_body, film.body, 1);
       add(film.on_other, film.other, -1);
     }
+    note_closed(face, wet);
   }
+  close();
+}
+
+/// Notes what the samples leave open of a body with water or films on every side.
+void Seepage::note_closed(const Face& face, const std::function<std::optional<Wet>(std::uint32_t)>& wet) {
+  for (std::size_t i = 0; i < covered_.size(); ++i)
+    if (!(covered_[i].reached && !covered_[i].dry) && !wet(face.places[i].sample)) return;
+  Closed& closed = closed_.emplace_back(face.body);
+  for (std::uint32_t k = samples_.first[face.body]; k < samples_.first[face.body + 1]; ++k)
+    if (const auto found = wet(samples_.order[k])) closed.open += 2 * found->area;
+}
+
+/// Around such a body a uniform pressure has no force: what its samples do not bear of it, its films do. Their areas
+/// are set so, with the least change: they are off where gaps are bent or solids thinner than the kernel, or do not fit
+/// the particles.
+void Seepage::close() {
+  const auto n = static_cast<Eigen::Index>(films_.size()), rows = static_cast<Eigen::Index>(3 * closed_.size());
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(rows, n);
+  Eigen::VectorXd open(rows);
+  for (Eigen::Index row = 0; row < rows; row += 3) {
+    const Closed& closed = closed_[static_cast<std::size_t>(row / 3)];
+    Vec3 left = closed.open;
+    for (Eigen::Index f = 0; f < n; ++f) {
+      const Film& film = films_[static_cast<std::size_t>(f)];
+      const double sign = film.body == closed.body ? 1 : film.other == closed.body ? -1 : 0;
+      if (sign == 0 || film.face.isZero(0)) continue;
+      left -= sign * film.face;
+      directions.block<3, 1>(row, f) = sign * film.face.normalized();
+    }
+    open.segment<3>(row) = left;
+  }
+  if (rows == 0 || n == 0) return;
+  Eigen::MatrixXd square = directions * directions.transpose();
+  square.diagonal().array() += 1e-6;  // directions in which no film lies
+  const Eigen::VectorXd change = directions.transpose() * square.ldlt().solve(open);
+  for (Eigen::Index f = 0; f < n; ++f) {
+    Film& film = films_[static_cast<std::size_t>(f)];
+    if (!film.face.isZero(0)) film.scale(1 + std::clamp(change[f] / film.face.norm(), -kMostChange, kMostChange));
+  }
+}
+
+void Seepage::Film::scale(double by) {
+  force *= by, area *= by, gap *= by;
+  point *= by, normal *= by, face *= by;
+  on_body *= by, on_other *= by;
 }
 
 /// Share of a place's area that the film bears: the sums over particles reach round its rim and bear the rest. With
@@ -174,15 +224,19 @@ void Seepage::press(std::span<const exchange::BodyState> states, std::span<const
     }
 }
 
-/// Which places of a body another solid lies against; false: none. Of two free bodies the first one's places count.
+/// Of two free bodies the first one's places count.
+bool Seepage::counted(const Face& face, std::uint32_t other) const {
+  return other < face.body && std::ranges::any_of(faces_, [&](const Face& f) { return f.body == other; });
+}
+
+/// Which places of a body another solid lies against; false: none.
 bool Seepage::cover(const Face& face, std::span<const exchange::BodyState> states) {
   const std::uint32_t own = face.body;
   const double wide = kWide * spacing_;
   std::vector<std::uint32_t> near;
   for (std::uint32_t b = 0; b < states.size(); ++b) {
-    const bool counted = std::ranges::any_of(faces_, [&](const Face& f) { return f.body == b && b < own; });
     const double distance = (Vec3::Map(states[b].position) - Vec3::Map(states[own].position)).norm();
-    if (b != own && !counted && distance < reach_[b] + reach_[own] + wide) near.push_back(b);
+    if (b != own && distance < reach_[b] + reach_[own] + wide) near.push_back(b);
   }
   if (near.empty()) return false;
   covered_.assign(face.places.size(), {});

@@ -61,7 +61,9 @@ class Seepage {
     double force = 0, area = 0, gap = 0;               // sums; the gap weighted by area
     double share = 0;                                  // of the force, so that water can follow
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // sums weighted by force
+    Vec3 face = Vec3::Zero();                          // towards the other, m^2
     Vector6 on_body = Vector6::Zero(), on_other = Vector6::Zero();
+    void scale(double by);
   };
   Film& film(std::uint32_t body, std::uint32_t other);
   struct Covered {
@@ -79,6 +81,14 @@ class Seepage {
   bool cover(const Face& face, std::span<const exchange::BodyState> states);
   double bearing(const Covered& covered, const Quat& rotation, const exchange::BodyState& other) const;
   void spread(const Face& face);
+  bool counted(const Face& face, std::uint32_t other) const;
+  struct Closed {  // a body with water or films on every side
+    explicit Closed(std::uint32_t of) : body(of) {}
+    std::uint32_t body;
+    Vec3 open = Vec3::Zero();  // force per unit of pressure that its samples leave open, m^2
+  };
+  void note_closed(const Face& face, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
+  void close();
 
   std::span<const Body> bodies_;
   const Samples& samples_;
@@ -90,6 +100,7 @@ class Seepage {
   std::vector<Face> faces_;
   std::vector<Covered> covered_;
   std::vector<Film> films_;
+  std::vector<Closed> closed_;
   std::vector<exchange::Wrench> wrenches_;
 };
 
