@@ -22,7 +22,12 @@ constexpr double kFirstLayer = 0.7;           // share of a wet face's force tha
 
 Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Kernel& kernel,
                  const Vec3& gravity, double density)
-    : bodies_(bodies), samples_(samples), spacing_(scene.world.spacing), density_(density), weight_(density * gravity) {
+    : bodies_(bodies),
+      samples_(samples),
+      spacing_(scene.world.spacing),
+      closes_(scene.numerics.pressure != Pressure::kImplicit),
+      density_(density),
+      weight_(density * gravity) {
   // Two half spaces on a lattice have n pairs of layers n apart: column (i, j) bears the sum of n V W'/r n d over them.
   const int reach = static_cast<int>(kernel.support / spacing_);
   for (int i = -reach; i <= reach; ++i)
@@ -111,7 +116,7 @@ void Seepage::solve(std::span<const exchange::BodyState> states,
       add(film.on_body, film.body, 1);
       add(film.on_other, film.other, -1);
     }
-    note_closed(face, wet);
+    if (closes_) note_closed(face, wet);
   }
   close();
 }

@@ -93,6 +93,7 @@ class Seepage {
   std::span<const Body> bodies_;
   const Samples& samples_;
   double spacing_;
+  bool closes_;  // whether areas are set by what a uniform pressure leaves open: README.md
   double density_;
   Vec3 weight_;                // density times gravity
   std::vector<double> reach_;  // of each body's surface from its centre; infinite for planes
