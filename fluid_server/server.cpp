@@ -11,6 +11,7 @@
 #include "common/checkpoint/state.h"
 #include "common/exchange/hash.h"
 #include "common/geometry/bodies.h"
+#include "common/intervals.h"
 #include "common/scene/reader.h"
 #include "fluid_server/monitor_frames.h"
 #include "fluid_server/post_mortem.h"
@@ -222,8 +223,7 @@ class Server {
 
   Status rows(bool always) {
     if (auto s = report_.new_warnings(link_, step_, time_); !s) return s;
-    const double every = scene_.output.every;
-    const auto number = static_cast<std::int64_t>(std::floor(time_ / every + 1e-9));
+    const std::int64_t number = intervals_passed(time_, scene_.output.every);
     if ((!always && number <= last_row_) || time_ == last_row_time_) return ok();
     last_row_ = number;
     last_row_time_ = time_;

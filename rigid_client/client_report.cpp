@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/exchange/hash.h"
+#include "common/intervals.h"
 
 namespace ballast::rigid {
 
@@ -82,8 +83,7 @@ Status ClientReport::accept(exchange::Link& link, const StepRecord& step) {
   last_row_written_ = false;
   if (auto sent = link.report(step.report); !sent) return sent;
   const double every = manifest_.world->output_every;
-  const auto number =
-      every > 0 ? static_cast<std::int64_t>(std::floor(step.report.time / every + 1e-9)) : last_row_ + 1;
+  const std::int64_t number = every > 0 ? intervals_passed(step.report.time, every) : last_row_ + 1;
   if (number <= last_row_) return ok();
   last_row_ = number;
   return row(link, step);

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "common/exchange/hash.h"
+#include "common/intervals.h"
 #include "common/output/whole_file.h"
 
 namespace ballast::checkpoint {
@@ -74,9 +74,7 @@ Result<nlohmann::json> read_part(const std::string& folder, const std::string& n
   return state;
 }
 
-std::int64_t Due::number(double time) const {
-  return every_ > 0 ? static_cast<std::int64_t>(std::floor(time / every_ + 1e-9)) : 0;
-}
+std::int64_t Due::number(double time) const { return every_ > 0 ? intervals_passed(time, every_) : 0; }
 
 bool Due::at(double time) {
   const std::int64_t now = number(time);

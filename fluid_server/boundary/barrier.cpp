@@ -9,7 +9,6 @@ namespace ballast::fluid {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 // Of a spacing: particles farther than this from every sample are at least 0.1 spacings above every surface.
 constexpr double kNear = 0.95;
@@ -29,7 +28,7 @@ void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const 
   find_touching(items, extras, constants, states);
   const double dt = constants.dt;
   motion_.assign(states.size(), Vector6::Zero());
-  const auto mobility = [&](std::uint32_t b) { return Eigen::Map<const Matrix6>(states[b].mobility); };
+  const auto mobility = [&](std::uint32_t b) { return mobility_of(states[b]); };
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     bool changed = false;
     for (Contact& c : contacts_) {
@@ -111,7 +110,7 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
     c.normal = q * bodies_[c.body].solid.normal(local);
     c.least = (height >= 0 ? -height : -kComeOut * height) / dt - c.normal.dot(relative);
     report_.deepest = std::max(report_.deepest, -height);
-    const auto mobility = Eigen::Map<const Matrix6>(state.mobility);
+    const auto mobility = mobility_of(state);
     Vector6 line;
     line << c.normal, c.arm.cross(c.normal);
     c.mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];

@@ -90,14 +90,14 @@ double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleS
     const std::uint32_t sample = items.source[items.sample_item[s]] & ~Neighbourhood::kSample;
     const Vec3 arm = wet_[sample].arm.cast<double>();
     Eigen::Matrix<double, 3, 6> velocity;  // of the sample, from the body's twist
-    velocity << Eigen::Matrix3d::Identity(),
-        -(Eigen::Matrix3d() << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0).finished();
+    velocity.leftCols<3>().setIdentity();
+    for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(arm);
     // What a sample is taken to move at changes twice as much as it does: 2 v_b - v_fluid.
     drag[samples_.body[sample]] -= 2 * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
   }
   double fastest = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    const auto mobility = mobility_of(states[b]);
     if (mobility.isZero(0)) continue;
     fastest = std::max(fastest, (mobility * drag[b]).eigenvalues().real().maxCoeff());
   }
@@ -114,7 +114,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
   for (std::size_t b = 0; b < states.size(); ++b) {
     const Vector6 free = Vector6::Map(states[b].free_acceleration);
-    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    const auto mobility = mobility_of(states[b]);
     spin_[b] = Vec3::Map(states[b].angular_velocity);
     acceleration_[b] = free;
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves

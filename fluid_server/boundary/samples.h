@@ -43,6 +43,11 @@ inline Quat rotation_of(const exchange::BodyState& state) {
   return {state.orientation[0], state.orientation[1], state.orientation[2], state.orientation[3]};
 }
 
+/// Change of its twist per impulse wrench (linear, angular).
+inline auto mobility_of(const exchange::BodyState& state) {
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(state.mobility);
+}
+
 /// State of a body at t = 0.
 exchange::BodyState initial_state(const Model& model, const Body& body, const Vec3& gravity);
 

@@ -68,61 +68,70 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
   }
 }
 
-void Seepage::solve(std::span<const exchange::BodyState> states,
-                    const std::function<std::optional<Wet>(std::uint32_t)>& wet) {
+void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& wet) {
   films_.clear();
   closed_.clear();
   for (const Face& face : faces_) {
     if (!cover(face, states)) continue;
-    const auto column = [&](const Vec3& point) { return weight_.dot(point - Vec3::Map(states[face.body].position)); };
-    for (std::size_t i = 0; i < covered_.size(); ++i) {
-      Covered& c = covered_[i];
-      if (!(c.share > 0)) continue;
-      const Place& place = face.places[i];
-      const std::optional<Wet> found = wet(place.sample);
-      if (!found) continue;
-      c.known = c.reached = true;
-      c.head = found->pressure - column(c.point - samples_.depth[place.sample] * c.normal);
-      c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
-    }
-    for (std::size_t i = 0; i < covered_.size(); ++i) {
-      Covered& c = covered_[i];
-      const bool open = c.share > 0 && !c.known && std::ranges::any_of(face.places[i].neighbours, [&](std::uint32_t j) {
-                          return !(covered_[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
-                        });
-      if (open) c.dry = true, c.head = -column(c.point);
-    }
-    for (Covered& c : covered_)
-      if (c.dry) c.known = c.reached = true;
+    read_rims(face, states[face.body], wet);
     spread(face);
-    const Quat rotation = rotation_of(states[face.body]);
-    for (std::size_t i = 0; i < covered_.size(); ++i) {
-      const Covered& c = covered_[i];
-      if (!c.reached || counted(face, c.other)) continue;
-      const double p = std::max(c.head + column(c.point), 0.0);  // a film bears no tension
-      const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
-      const Vec3 force = -p * area * c.normal;
-      Film& film = this->film(face.body, c.other);
-      film.force += p * area;
-      film.area += area;
-      film.gap += area * c.gap;
-      film.point += p * area * c.point;
-      film.normal += p * area * c.normal;
-      film.face += area * c.normal;
-      const auto add = [&](Vector6& wrench, std::uint32_t body, double sign) {
-        wrench.head<3>() += sign * force;
-        wrench.tail<3>() += (c.point - Vec3::Map(states[body].position)).cross(sign * force);
-      };
-      add(film.on_body, film.body, 1);
-      add(film.on_other, film.other, -1);
-    }
+    bear(face, states);
     if (closes_) note_closed(face, wet);
   }
   close();
 }
 
+double Seepage::column(const Vec3& point, const exchange::BodyState& state) const {
+  return weight_.dot(point - Vec3::Map(state.position));
+}
+
+/// Heads where they are known: of the fluid at wet places, of air at dry ones that lie at the edge of a film.
+void Seepage::read_rims(const Face& face, const exchange::BodyState& state, const FindWet& wet) {
+  const auto in_air = [&](std::uint32_t j) {
+    return !(covered_[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
+  };
+  for (std::size_t i = 0; i < covered_.size(); ++i) {
+    Covered& c = covered_[i];
+    if (!(c.share > 0)) continue;
+    const Place& place = face.places[i];
+    if (const std::optional<Wet> found = wet(place.sample)) {
+      c.known = c.reached = true;
+      c.head = found->pressure - column(c.point - samples_.depth[place.sample] * c.normal, state);
+      c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
+    } else if (std::ranges::any_of(place.neighbours, in_air)) {
+      c.known = c.reached = c.dry = true;
+      c.head = -column(c.point, state);
+    }
+  }
+}
+
+/// Adds up what the places bear, by film.
+void Seepage::bear(const Face& face, std::span<const exchange::BodyState> states) {
+  const Quat rotation = rotation_of(states[face.body]);
+  for (std::size_t i = 0; i < covered_.size(); ++i) {
+    const Covered& c = covered_[i];
+    if (!c.reached || counted(face, c.other)) continue;
+    const double p = std::max(c.head + column(c.point, states[face.body]), 0.0);  // a film bears no tension
+    const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
+    const Vec3 force = -p * area * c.normal;
+    Film& film = this->film(face.body, c.other);
+    film.force += p * area;
+    film.area += area;
+    film.gap += area * c.gap;
+    film.point += p * area * c.point;
+    film.normal += p * area * c.normal;
+    film.face += area * c.normal;
+    const auto add = [&](Vector6& wrench, std::uint32_t body, double sign) {
+      wrench.head<3>() += sign * force;
+      wrench.tail<3>() += (c.point - Vec3::Map(states[body].position)).cross(sign * force);
+    };
+    add(film.on_body, film.body, 1);
+    add(film.on_other, film.other, -1);
+  }
+}
+
 /// Notes what the samples leave open of a body with water or films on every side.
-void Seepage::note_closed(const Face& face, const std::function<std::optional<Wet>(std::uint32_t)>& wet) {
+void Seepage::note_closed(const Face& face, const FindWet& wet) {
   for (std::size_t i = 0; i < covered_.size(); ++i)
     if (!(covered_[i].reached && !covered_[i].dry) && !wet(face.places[i].sample)) return;
   Closed& closed = closed_.emplace_back(face.body);
@@ -201,9 +210,7 @@ void Seepage::press(std::span<const exchange::BodyState> states, std::span<const
     twist[b] << Vec3::Map(states[b].velocity), Vec3::Map(states[b].angular_velocity);
     twist[b] += dt * without[b];
   }
-  const auto push = [&](std::uint32_t b, const Vector6& wrench) {
-    twist[b] += dt * Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility) * wrench;
-  };
+  const auto push = [&](std::uint32_t b, const Vector6& wrench) { twist[b] += dt * mobility_of(states[b]) * wrench; };
   const auto opening = [&](const Film& film) {  // speed, m/s
     const Vec3 point = film.point / film.force;
     const auto at = [&](std::uint32_t b) {

@@ -26,9 +26,10 @@ class Seepage {
     double pressure;  ///< Pa
     Vec3 area;        ///< force per unit of pressure, m^2
   };
-  /// Finds the films and their pressure. `wet` finds a sample by its index; nothing if it is dry. Where particles press
-  /// on a place already, no film does.
-  void solve(std::span<const exchange::BodyState> states, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
+  /// Of a sample, by its index; nothing if it is dry.
+  using FindWet = std::function<std::optional<Wet>(std::uint32_t)>;
+  /// Finds the films and their pressure. Where particles press on a place already, no film does.
+  void solve(std::span<const exchange::BodyState> states, const FindWet& wet);
 
   void set_gravity(const Vec3& gravity) { weight_ = density_ * gravity; }
   bool empty() const { return films_.empty(); }
@@ -87,7 +88,10 @@ class Seepage {
     std::uint32_t body;
     Vec3 open = Vec3::Zero();  // force per unit of pressure that its samples leave open, m^2
   };
-  void note_closed(const Face& face, const std::function<std::optional<Wet>(std::uint32_t)>& wet);
+  double column(const Vec3& point, const exchange::BodyState& state) const;
+  void read_rims(const Face& face, const exchange::BodyState& state, const FindWet& wet);
+  void bear(const Face& face, std::span<const exchange::BodyState> states);
+  void note_closed(const Face& face, const FindWet& wet);
   void close();
 
   std::span<const Body> bodies_;

@@ -29,7 +29,7 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
   root_.assign(states.size(), Matrix6::Zero());
   free_.assign(states.size(), 0);
   for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    const auto mobility = mobility_of(states[b]);
     if (mobility.isZero(0)) continue;
     free_[b] = 1;
     root_[b] = root_of(mobility);

@@ -66,12 +66,13 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
 
   yielding_.resize(n), right_.resize(n), bounded_.resize(n);
   const double dt2 = dt_ * dt_;
-  const auto [mean_diagonal] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
+  const auto [trace] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t f = begin; f < end; ++f) sum += diagonal_[f] * dt2;
     return std::array<double, 1>{sum};
   });
-  const float least = static_cast<float>(kYielding * mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
+  const double mean_diagonal = trace / static_cast<double>(std::max<std::size_t>(n, 1));
+  const float least = static_cast<float>(kYielding * mean_diagonal);
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float diagonal = static_cast<float>(diagonal_[f] * dt2);
@@ -82,7 +83,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
           particles.record[f].volume * source_of(particles.compression[f]) - static_cast<float>(dt_ * divergence_[f]);
     }
   });
-  balance_closed(particles, mean_diagonal / static_cast<double>(std::max<std::size_t>(n, 1)));
+  balance_closed(particles, mean_diagonal);
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
   history_.clear();
@@ -207,7 +208,7 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
   });
   start_.resize(states.size());
   for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto mobility = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(states[b].mobility);
+    const auto mobility = mobility_of(states[b]);
     Vector6 wrench;
     wrench << Vec3::Map(response.wrenches()[b].force), Vec3::Map(response.wrenches()[b].torque);
     start_[b] = Vector6::Map(states[b].free_acceleration) + mobility * wrench;

@@ -124,7 +124,7 @@ def fading(
 SPIN_DOWN = fading(
     "B5",
     "Spin-down in an annulus: torque",
-    "report/spin_down",
+    "spin_down",
     "A cylinder turns at 1 rad/s in a fluid at rest in a fixed concentric cylinder twice as wide, viscosity 1e-3 m^2/s, "
     "at density ratios 0.1, 1 and 8.",
     "body.wy",
