@@ -118,8 +118,11 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     spin_[b] = Vec3::Map(states[b].angular_velocity);
     acceleration_[b] = free;
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
-    if (scheme == Scheme::kStaggered && films) {
-      acceleration_[b] = Vector6::Map(states[b].acceleration);
+    Vector6 taken = Vector6::Zero();
+    if (scheme == Scheme::kStaggered) taken = Vector6::Map(states[b].acceleration);
+    if (scheme == Scheme::kLeftOut) spin_[b].setZero();
+    if (scheme != Scheme::kInterlinked && films) {
+      acceleration_[b] = taken;
       continue;
     }
     Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
@@ -140,10 +143,10 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       force += per_pressure * (wet.p0 - centripetal.dot(reach));
       added.noalias() += per_pressure * per_acceleration.transpose();
     }
-    if (scheme == Scheme::kStaggered)
-      acceleration_[b] = free + mobility * (force - added * Vector6::Map(states[b].acceleration));
-    else
+    if (scheme == Scheme::kInterlinked)
       acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
+    else
+      acceleration_[b] = free + mobility * (force - added * taken);
   }
 }
 

@@ -17,6 +17,7 @@ namespace ballast::fluid {
 enum class Scheme {
   kInterlinked,  ///< solved with the mobility that the rigid side posted: stable for light bodies
   kStaggered,    ///< that of the last step
+  kLeftOut,      ///< none, where an implicit solve finds the pressure that lacks then
 };
 
 /// Whether the pressure of films between solids follows the samples' (seepage.h), or stays as it was found last: while

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
 constexpr double kRough = 0.05;               // gap of solids that touch, spacings: what is left open at corners
+constexpr double kOneSide = 0.7;              // cosine between normals of one film
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
 constexpr double kMostChange = 0.5;           // share of a film's area that closing a body may add or take
 constexpr int kSweeps = 20;                   // over the films of all bodies: stacks of ten
@@ -114,7 +115,7 @@ void Seepage::bear(const Face& face, std::span<const exchange::BodyState> states
     const double p = std::max(c.head + column(c.point, states[face.body]), 0.0);  // a film bears no tension
     const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
     const Vec3 force = -p * area * c.normal;
-    Film& film = this->film(face.body, c.other);
+    Film& film = this->film(face.body, c.other, c.normal);
     film.force += p * area;
     film.area += area;
     film.gap += area * c.gap;
@@ -194,9 +195,10 @@ double Seepage::bearing(const Covered& covered, const Quat& rotation, const exch
   return share;
 }
 
-Seepage::Film& Seepage::film(std::uint32_t body, std::uint32_t other) {
+/// In a corner the floor and each wall have a film of their own: water follows each as that gap opens.
+Seepage::Film& Seepage::film(std::uint32_t body, std::uint32_t other, const Vec3& normal) {
   for (Film& film : films_)
-    if (film.body == body && film.other == other) return film;
+    if (film.body == body && film.other == other && film.face.dot(normal) >= kOneSide * film.face.norm()) return film;
   Film& film = films_.emplace_back();
   film.body = body, film.other = other;
   return film;

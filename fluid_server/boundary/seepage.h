@@ -57,7 +57,7 @@ class Seepage {
     std::vector<Place> places;
   };
   using Vector6 = Eigen::Matrix<double, 6, 1>;
-  struct Film {  // between a free body and another solid
+  struct Film {  // between a free body and one side of another solid
     std::uint32_t body = 0, other = 0;
     double force = 0, area = 0, gap = 0;               // sums; the gap weighted by area
     double share = 0;                                  // of the force, so that water can follow
@@ -66,7 +66,7 @@ class Seepage {
     Vector6 on_body = Vector6::Zero(), on_other = Vector6::Zero();
     void scale(double by);
   };
-  Film& film(std::uint32_t body, std::uint32_t other);
+  Film& film(std::uint32_t body, std::uint32_t other, const Vec3& normal);
   struct Covered {
     std::uint32_t other = 0;  // the solid that lies against it
     double gap = 0;

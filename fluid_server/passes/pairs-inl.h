@@ -301,7 +301,9 @@ class Pairs {
     const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
     const float alpha_c = own.volume > 0 ? constants_.artificial_viscosity * constants_.sound_speed : 0.f;
     const VF linear = hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), hn::Set(d, alpha_c));
-    return hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
+    const VF q = hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
+    if (constants_.ram_on_samples) return q;
+    return own.volume > 0 ? hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), q) : hn::Zero(d);
   }
 
   float density(std::uint32_t item) const {

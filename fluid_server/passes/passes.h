@@ -18,6 +18,7 @@ struct PassConstants {
   float artificial_viscosity = 0;  ///< alpha of Monaghan (1992), no unit
   float gravity[3] = {0, 0, 0};    ///< m/s^2
   float dt = 0;                    ///< s
+  bool ram_on_samples = true;      ///< the ram pressure of encounters acts between particles and samples too
   bool viscous = false;            ///< some fluid has viscosity: `wall` is filled
   bool several_densities = false;  ///< `density` is filled per item; else density[0] holds for all
   int threads = 1;
@@ -71,7 +72,7 @@ void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const 
 ///   a_i = G - 1/rho_i sum V_j (p_i + p_j + q_ij) g r + 1/rho_i sum V_j (mu_i + mu_j) g (v_i - w_j)
 /// q_ij = rho (alpha c u + u^2) for pairs that approach with speed u: artificial viscosity (Monaghan 1992), its linear
 /// part between particles only, and the ram pressure of the encounter (von Neumann and Richtmyer 1950), second order in
-/// the spacing where the flow is smooth.
+/// the spacing where the flow is smooth; with samples only where the constants say so.
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                 std::vector<float>& acceleration);
 

@@ -14,6 +14,7 @@ constexpr float kNoise = 0.003f;                // compression that disorder alo
 constexpr float kDisorder = 0.01f;              // of the summed density, which is not pulled at
 constexpr float kLag = 0.02f;                   // by how much the compression may be below the summed density
 constexpr float kGentle = 0.2f;                 // share of that much compression that a step takes back
+constexpr float kMost = 0.02f;                  // beyond kNoise, that a step takes back
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
@@ -22,9 +23,10 @@ constexpr std::size_t kHistory = 5;
 constexpr double kYielding = 0.05;
 
 /// The compression that a step takes back: what disorder makes gently, so that it does not become noise of the
-/// pressure, what is beyond at once.
+/// pressure; what is beyond at once, but never faster than the flow: a particle that a heavy body presses onto the
+/// floor would throw it off.
 float source_of(float compression) {
-  return kGentle * std::min(compression, kNoise) + std::max(compression - kNoise, 0.f);
+  return kGentle * std::min(compression, kNoise) + std::clamp(compression - kNoise, 0.f, kMost);
 }
 
 }  // namespace
@@ -51,7 +53,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   sum_rows(items, extras, constants, rows_, pairs_);
   find_shares();
   scale(sums);
-  response.solve(items, extras, sums, constants, states, Scheme::kStaggered, Films::kStay);
+  response.solve(items, extras, sums, constants, states, Scheme::kLeftOut, Films::kStay);
   accelerate(items, extras, constants, acceleration_);
 
   inverse_w_.resize(sums.size());

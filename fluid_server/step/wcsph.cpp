@@ -58,7 +58,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   const Stopwatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
   if (implicit_) implicit_->scale(sums_);
-  response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kStaggered : scheme_,
+  response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_,
                    Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
   response_->gather_contacts(states);

@@ -159,6 +159,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;
+    // Pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light bodies.
+    self.constants_.ram_on_samples = false;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
     const Accuracy accuracy = scene.world.accuracy;
     const double share = gravity_share(accuracy);
