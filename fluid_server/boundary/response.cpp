@@ -120,7 +120,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
     Vector6 taken = Vector6::Zero();
     if (scheme == Scheme::kStaggered) taken = Vector6::Map(states[b].acceleration);
-    if (scheme == Scheme::kLeftOut) spin_[b].setZero();
+    if (scheme == Scheme::kLeftOut) spin_[b].setZero();  // nor what turning accelerates
     if (scheme != Scheme::kInterlinked && films) {
       acceleration_[b] = taken;
       continue;

@@ -58,8 +58,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   const Stopwatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
   if (implicit_) implicit_->scale(sums_);
-  response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_,
-                   Films::kFollow);
+  response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_, Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
   response_->gather_contacts(states);
   constexpr double kMayMatter = 0.01;  // of the fluid's own bound: bodies far lighter than a spacing of fluid are rare

@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kSpacing = 0.03, kSide = 0.3, kHeight = 0.15, kWeight = 9810;
 
-/// A box `gap` above the floor of a tank; only samples within two spacings of its sides are wet.
+/// A box `gap` above the floor of a tank, in its middle or at `x`; only samples within two spacings of its sides are
+/// wet.
 struct Standing {
-  explicit Standing(double gap) {
+  explicit Standing(double gap, double x = 0.6) {
     scene.world.spacing = kSpacing;
-    scene.models = {tank({1.2, 1.2, 0.6}),
-                    box_body("box", {kSide, kSide, kHeight}, 500, {0.6, 0.6, gap + kHeight / 2})};
+    scene.models = {tank({1.2, 1.2, 0.6}), box_body("box", {kSide, kSide, kHeight}, 500, {x, 0.6, gap + kHeight / 2})};
     bodies = *make_bodies(scene);
     const Coordinates coordinates = Coordinates::make({{-0.2, -0.2, -0.2}, {1.4, 1.4, 0.8}}, {});
     samples = Samples::make(scene, bodies, coordinates, 1.5 * kSpacing);
@@ -33,6 +33,14 @@ struct Standing {
     });
     const std::vector<Eigen::Matrix<double, 6, 1>> rest(2, Eigen::Matrix<double, 6, 1>::Zero());
     seepage->press(states, rest, 1e-3);
+  }
+  /// Lets forces move the box, but not turn it. Its mass, kg.
+  double release() {
+    const double mass = bodies[1].mass;
+    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> mobility(states[1].mobility);
+    mobility.setZero();
+    mobility.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / mass;
+    return mass;
   }
   Vec3 force(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].force); }
   Vec3 torque(std::size_t body) const { return Vec3::Map(seepage->wrenches()[body].torque); }
@@ -99,16 +107,29 @@ TEST(Seepage, WhereParticlesPressNoFilmDoes) {
 /// A film opens its gap as fast as water flows in, and no faster: v = h / l sqrt(2 p / rho).
 TEST(Seepage, WaterHasToFlowIn) {
   Standing standing(0.2 * kSpacing);
-  const double mass = standing.bodies[1].mass;
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> mobility(standing.states[1].mobility);
-  mobility.setZero();
-  mobility.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() / mass;
+  const double mass = standing.release();
   standing.solve([](const Vec3&) { return 1e6; });  // 1e6 Pa for 1 ms would give it 13 m/s
   const double fastest = (0.2 + 0.05) * kSpacing / (kSide / 2) * std::sqrt(2 * 1e6 / 1000);
   EXPECT_NEAR(standing.force(1)[2] / mass * 1e-3, fastest, 0.02 * fastest);
   Vec3::Map(standing.states[1].velocity) = Vec3(0, 0, 2 * fastest);
   standing.solve([](const Vec3&) { return 1e6; });
   EXPECT_EQ(standing.force(1)[2], 0);
+}
+
+/// Against floor and wall, drawn off the wall three times as fast as water flows in: it still lifts from the floor.
+/// Less than all, for the places along the edge lie towards both.
+TEST(Seepage, InACornerEachSideHasAFilmOfItsOwn) {
+  Standing standing(0, kSide / 2);
+  const auto still = [](const Vec3&) { return 1000.0; };
+  standing.solve(still);
+  const Vec3 held = standing.force(1);
+  EXPECT_GT(held[0], 0);
+  EXPECT_GT(held[2], 0);
+  standing.release();
+  Vec3::Map(standing.states[1].velocity) = Vec3(0.05, 0, 0);
+  standing.solve(still);
+  EXPECT_LT(standing.force(1)[0], 0.2 * held[0]);
+  EXPECT_GT(standing.force(1)[2], 0.5 * held[2]);
 }
 
 /// Water at one pressure all around two boxes moves neither: what the sums over particles press, on a lattice of them
