@@ -15,7 +15,11 @@ struct AddedMass : ::testing::TestWithParam<std::pair<const char*, double>> {
 
   /// Relative error of the first acceleration; infinite where the run diverged. `more`: further arguments.
   double error(double ratio, const char* scheme, const std::vector<std::string>& more, double exact, int& code) {
-    std::vector<std::string> arguments = {scene(GetParam().first), "--quiet", "--scheme", scheme, "--set",
+    std::vector<std::string> arguments = {scene(GetParam().first),
+                                          "--quiet",
+                                          "--scheme",
+                                          scheme,
+                                          "--set",
                                           "models.body.density=" + std::to_string(1000 * ratio)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Command run(scratch.path, arguments);
