@@ -59,6 +59,11 @@ Error post_mortem(const Scene& scene, const std::vector<Body>& bodies, const Wcs
   else if (fluid.facts().max_speed > kMostMach * c)
     error.what += fmt::format("largest speed {:.3g} m/s, limit {:.3g} m/s ({} sound speeds)", fluid.facts().max_speed,
                               kMostMach * c, kMostMach);
+  else if (step.energy_share > scene.numerics.energy_bound)
+    error.what += fmt::format(
+        "the fluid has gained {:.3g} J that nobody gave it, {:.2g} % of the energy at play, limit {:.2g} % "
+        "(numerics.energy_bound)",
+        step.energy_gain, 100 * step.energy_share, 100 * scene.numerics.energy_bound);
   else
     error.what +=
         fmt::format("mean density error {:.2g} %, limit {:.2g} %", 100 * step.compression_mean, 100 * kMostCompression);
@@ -97,8 +102,9 @@ Error post_mortem(const Scene& scene, const std::vector<Body>& bodies, const Wcs
                     "({:.3g} m/s)",
                     step.largest_mach_before, c));
   if (causes.empty())
-    causes.push_back(
-        "lower numerics.courant, and look for bodies that start inside fluid or that are driven into walls");
+    causes.push_back(fmt::format(
+        "{}, and look for bodies that start inside fluid or that are driven into walls",
+        fluid.implicit() ? "set world.accuracy: accurate or numerics.pressure: wcsph" : "lower numerics.courant"));
   error.cure = fmt::format("{}; the state is in post_mortem/ (ParaView)", fmt::join(causes, "; "));
   return error;
 }

@@ -17,6 +17,8 @@ struct LastStep {
   double time = 0, dt = 0;         ///< s, at its end
   double largest_mach_before = 0;  ///< largest speed over sound speed of any step before it
   double compression_mean = 0;     ///< as measured last
+  double energy_gain = 0;          ///< J, as measured last
+  double energy_share = 0;         ///< of the energy at play
 };
 
 /// The error (exit code 4). Names the fastest particles, the nearest body, and the likely cause: a step longer than the

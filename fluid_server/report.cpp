@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "common/exchange/hash.h"
+#include "common/exchange/sleep_json.h"
 #include "common/output/picture.h"
 #include "fluid_server/probes/probes.h"
+#include "fluid_server/step/accuracy.h"
 
 namespace ballast::fluid {
 
@@ -57,8 +59,10 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
       bodies_(bodies),
       fluid_(fluid),
       out_dir_(std::move(out_dir)),
-      impulse_(bodies.size(), Vec3::Zero()) {
+      impulse_(bodies.size(), Vec3::Zero()),
+      energy_(scene, bodies, fluid) {
   start_ = last_ = fluid.measure();
+  energy_.start(start_);
   if (scene.output.vtk) vtk_ = std::make_unique<output::VtkSeries>(out_dir_ + "/vtk");
   warn_of_thin_solids();
   std::vector<exchange::BodyState> states;
@@ -99,21 +103,36 @@ void Report::quiet(const QuietReport& quiet) {
         "the starting pressure was not found to the end: after {} rounds it still changes by {:.2g} a round",
         quiet.rounds, quiet.change));
   start_ = last_ = fluid_.measure();
+  energy_.start(start_);
 }
 
 void Report::warn(std::string text) { warnings_.push_back(std::move(text)); }
 
-void Report::count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState>, double dt, double time) {
-  ++limits_[static_cast<std::size_t>(limit)];
+void Report::count_impulses(double dt) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (scene_.models[b].motion == Motion::kStatic) continue;
-    const Vec3 impulse = Vec3::Map(fluid.wrenches()[b].force) * dt;
+    const Vec3 impulse = Vec3::Map(fluid_.wrenches()[b].force) * dt;
     impulse_[b] += impulse;
     impulse_total_ += impulse;
     impulse_scale_ += impulse.norm();
   }
+}
+
+// Forces on bodies at rest go on; the density error is that of the steps computed.
+void Report::count_slept(double dt) {
+  ++limits_[static_cast<std::size_t>(Limit::kAsleep)];
+  count_impulses(dt);
+}
+
+void Report::count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
+                   double dt, double time) {
+  const WcsphFluid& fluid = fluid_;
+  ++limits_[static_cast<std::size_t>(limit)];
+  count_impulses(dt);
+  energy_.step(before, after, dt);
   if (steps_since_measure_++ % 20 == 0) {
     last_ = fluid.measure();
+    count_energy(time);
     error_mean_sum_ += last_.compression_mean;
     error_max_ = std::max(error_max_, last_.compression_max);
     ++error_count_;
@@ -131,6 +150,29 @@ void Report::count(Limit limit, const WcsphFluid& fluid, std::span<const exchang
   }
 }
 
+void Report::count_energy(double time) {
+  const bool fine = energy_.share() <= kEnergyWarning;
+  energy_.measure(last_);
+  if (fine && energy_.share() > kEnergyWarning)
+    warn(fmt::format(
+        "at t = {:.4g} s the fluid had gained {:.3g} J that nobody gave it, {:.2g} % of the {:.3g} J at play: {}", time,
+        energy_.gain(), 100 * energy_.share(), energy_.reference(),
+        fluid_.implicit() ? "set world.accuracy: accurate, or make world.spacing smaller where bodies come off a wall"
+                          : "lower numerics.courant, or make world.spacing smaller where bodies come off a wall"));
+}
+
+void Report::interface(Interface& interface, double time) {
+  const std::uint64_t unreached = interface.report().unreached;
+  interface.keep();
+  interface_residual_ = interface.report().last;
+  if (unreached == 0 && interface.report().unreached > 0)
+    warn(
+        fmt::format("t = {:.4g} s: fluid and bodies disagree by {:.2g} of the acceleration after {} iterations, "
+                    "coupling.tolerance is "
+                    "{:.2g}; further such steps are only counted",
+                    time, interface_residual_, interface.most_iterations(), interface.tolerance()));
+}
+
 exchange::StepReport Report::step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash) {
   exchange::StepReport r{};
   r.step = step;
@@ -140,6 +182,7 @@ exchange::StepReport Report::step_report(std::uint64_t step, double time, const 
   r.hash = hash;
   r.error[0] = last_.compression_mean;
   r.error[1] = last_.compression_max;
+  r.error[3] = interface_residual_;
   r.particles = fluid_.particles().size();
   return r;
 }
@@ -169,7 +212,8 @@ Status Report::write_post_mortem(std::span<const exchange::BodyState> states, do
 }
 
 std::string Report::json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
-                         const exchange::Link& link, const Status& outcome) const {
+                         const exchange::Link& link, const Status& outcome, const exchange::Sleep& sleep,
+                         const Interface& interface) const {
   using nlohmann::json;
   const Measures end = fluid_.measure();
   json j;
@@ -191,6 +235,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   for (std::size_t k = 0; k < limits_.size(); ++k)
     if (limits_[k]) j["step_limits"][kLimitNames[k]] = limits_[k];
   const StageTimes& t = fluid_.times();
+  if (auto slept = exchange::sleep_json(sleep); !slept.is_null()) j["sleep"] = std::move(slept);
   j["stages"] = {{"sort", t.sort},
                  {"pressure", t.pressure},
                  {"boundary", t.boundary},
@@ -200,18 +245,35 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
       {"density_mean", error_count_ ? error_mean_sum_ / static_cast<double>(error_count_) : end.compression_mean},
       {"density_max", std::max(error_max_, end.compression_max)},
       {"pressure_residual", 0},
-      {"interface_residual", 0}};
+      {"interface_residual", 0},
+      {"energy_gain", energy_.left_out().empty() ? json(energy_.share()) : json(nullptr)}};
+  if (const InterfaceReport& r = interface.report(); r.steps > 0) {
+    const double steps = static_cast<double>(r.steps);
+    j["error"]["interface_residual"] = r.most;
+    j["error"]["interface_residual_mean"] = r.sum / steps;
+    if (interface.iterates())
+      j["coupling"] = {{"tolerance", interface.tolerance()},
+                       {"steps", r.steps},
+                       {"iterations_mean", static_cast<double>(r.iterations) / steps},
+                       {"iterations_most", r.most_iterations},
+                       {"tolerance_unreached", r.unreached}};
+  }
   j["ledger"] = {
       {"momentum_to_bodies_N_s", vector_json(impulse_total_)},
       {"momentum_scale", impulse_scale_},
       {"momentum_start", vector_json(start_.momentum)},
       {"momentum_end", vector_json(end.momentum)},
+      {"angular_momentum_start_N_m_s", vector_json(start_.angular_momentum)},
+      {"angular_momentum_end_N_m_s", vector_json(end.angular_momentum)},
       {"mass_kg", end.mass},
       {"mass_drift", start_.mass > 0 ? end.mass / start_.mass - 1 : 0.0},
       {"energy_J",
        {{"kinetic", end.kinetic},
         {"potential", end.potential},
         {"elastic", end.elastic},
+        {"work_on_bodies", energy_.work()},
+        {"gain", energy_.left_out().empty() ? json(energy_.gain()) : json(nullptr)},
+        {"reference", energy_.reference()},
         {"change", end.kinetic + end.potential + end.elastic - start_.kinetic - start_.potential - start_.elastic}}}};
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     if (scene_.models[b].motion != Motion::kStatic)
@@ -223,6 +285,22 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                           {"mass_asked_kg", f.mass_asked},
                           {"mass_kg", f.mass},
                           {"particles", f.particles}});
+  if (!energy_.left_out().empty())
+    j["left_out"].push_back({{"what", "bound of the energy"},
+                             {"why", energy_.left_out()},
+                             {"saved", "nothing to speak of"},
+                             {"difference", "energy that the steps make goes unseen"},
+                             {"saved_s", nullptr},
+                             {"saved_bytes", nullptr}});
+  if (const IdleSamples& idle = fluid_.idle_samples(); idle.samples > 0)
+    j["left_out"].push_back({{"what", "samples without fluid"},
+                             {"why", "no particle within the kernel's support"},
+                             {"saved", fmt::format("sorting and sums of {:.0f} of {} samples a step",
+                                                   static_cast<double>(idle.samples) / static_cast<double>(idle.steps),
+                                                   fluid_.samples().size())},
+                             {"difference", "none: their sums would be empty"},
+                             {"saved_s", nullptr},
+                             {"saved_bytes", nullptr}});
   const RelaxReport& relaxed = fluid_.relax_report();
   j["relaxation"] = {
       {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};
@@ -249,7 +327,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                  {"support_m", fluid_.constants().kernel.support},
                  {"sound_speed", fluid_.constants().sound_speed},
                  {"simd", simd_name()}};
-  j["scheme"] = fluid_.scheme() == Scheme::kStaggered ? "staggered" : "interlinked";
+  j["scheme"] = interface.iterates() ? "iterated" : fluid_.scheme() == Scheme::kStaggered ? "staggered" : "interlinked";
   j["threads"] = fluid_.constants().threads;
   j["rss_bytes"] = resident_bytes();
   j["state_hash"] = fmt::format("{:016x}", fluid_.hash());
@@ -287,8 +365,7 @@ StepLimits step_limits(const Scene& scene, const std::vector<Body>& bodies, cons
   limits.sound_speed = fluid.constants().sound_speed;
   // Still water, a floating box and a dam break come out the same from 0.25 to 0.8 (README.md); a chain of particles
   // becomes unstable at d / c, which is 1 for the cubic spline.
-  const Accuracy accuracy = scene.world.accuracy;
-  limits.courant = accuracy == Accuracy::kInteractive ? 0.6 : accuracy == Accuracy::kBalanced ? 0.5 : 0.25;
+  limits.courant = settings_of(scene.world.accuracy).courant;
   if (fluid.implicit()) {
     limits.implicit = true;
     limits.spacing = fluid.spacing();

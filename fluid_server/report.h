@@ -6,8 +6,11 @@
 #include <vector>
 
 #include "common/exchange/link.h"
+#include "common/exchange/sleep.h"
 #include "common/geometry/bodies.h"
 #include "common/output/vtk.h"
+#include "fluid_server/step/energy.h"
+#include "fluid_server/step/interface.h"
 #include "fluid_server/step/wcsph.h"
 
 namespace ballast::fluid {
@@ -20,10 +23,16 @@ class Report {
   void warn(std::string text);
   /// Books the search for the starting pressure.
   void quiet(const QuietReport& quiet);
-  /// Books one finished step.
-  void count(Limit limit, const WcsphFluid& fluid, std::span<const exchange::BodyState> states, double dt, double time);
+  /// Books one finished step, which took the bodies from `before` to `after`.
+  void count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
+             double dt, double time);
+  /// Books a step of length dt that was slept through.
+  void count_slept(double dt);
+  /// Books what the two processes disagreed about in the step just counted.
+  void interface(Interface& interface, double time);
   /// Measured last (every 20 steps).
   const Measures& measured() const { return last_; }
+  EnergyBalance& energy() { return energy_; }
   exchange::StepReport step_report(std::uint64_t step, double time, const Step& dt, std::uint64_t hash);
   /// Sends warnings that have come up since the last call.
   Status new_warnings(exchange::Link& link, std::uint64_t step, double time);
@@ -40,16 +49,19 @@ class Report {
     a("impulse_total", impulse_total_), a("quiet", quiet_), a("start", start_), a("last", last_);
     a("steps_since_measure", steps_since_measure_), a("error_mean_sum", error_mean_sum_), a("error_max", error_max_);
     a("worst_mach", worst_mach_), a("error_count", error_count_), a("lost_seen", lost_seen_);
-    a("warnings", warnings_);
+    a("warnings", warnings_), a("energy", energy_);
     if (vtk_) a("vtk", *vtk_);
   }
 
   /// Largest speed over sound speed so far.
   double worst_mach() const { return worst_mach_; }
   std::string json(std::uint64_t step, double time, bool stopped, std::span<const exchange::BodyState> states,
-                   const exchange::Link& link, const Status& outcome) const;
+                   const exchange::Link& link, const Status& outcome, const exchange::Sleep& sleep,
+                   const Interface& interface) const;
 
  private:
+  void count_impulses(double dt);
+  void count_energy(double time);
   void warn_of_thin_solids();
 
   const Scene& scene_;
@@ -61,6 +73,7 @@ class Report {
   double impulse_scale_ = 0;           // sum of magnitudes
   Vec3 impulse_total_ = Vec3::Zero();  // given to all bodies that move
   QuietReport quiet_;
+  EnergyBalance energy_;
   Measures start_;
   Measures last_;
   std::uint64_t steps_since_measure_ = 0;
@@ -69,6 +82,7 @@ class Report {
   std::vector<std::string> warnings_;
   std::size_t warnings_sent_ = 0;
   std::uint64_t lost_seen_ = 0;
+  double interface_residual_ = 0;  // of the last step
   std::unique_ptr<output::VtkSeries> vtk_;
 };
 

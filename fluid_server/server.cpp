@@ -10,6 +10,7 @@
 #include "common/checkpoint/part.h"
 #include "common/checkpoint/state.h"
 #include "common/exchange/hash.h"
+#include "common/exchange/sleep.h"
 #include "common/geometry/bodies.h"
 #include "common/intervals.h"
 #include "common/scene/reader.h"
@@ -17,6 +18,7 @@
 #include "fluid_server/post_mortem.h"
 #include "fluid_server/probes/probes.h"
 #include "fluid_server/report.h"
+#include "fluid_server/step/interface.h"
 #include "fluid_server/step/wcsph.h"
 
 namespace ballast::fluid {
@@ -46,7 +48,9 @@ class Server {
         bodies_(std::move(bodies)),
         fluid_(std::move(fluid)),
         report_(scene_, bodies_, *fluid_, segment.out_dir()),
-        coupled_(segment.has(exchange::Role::kRigid)) {
+        sleep_(segment.manifest()),
+        coupled_(segment.has(exchange::Role::kRigid)),
+        interface_(scene_, bodies_, fluid_->implicit() || fluid_->scheme() == Scheme::kInterlinked) {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       states_.push_back(initial_state(scene_.models[b], bodies_[b], scene_.world.gravity));
     limits_ = step_limits(scene_, bodies_, *fluid_);
@@ -82,7 +86,7 @@ class Server {
       report_.write_final(states_, segment_.threads());
     }
     return link_.finish(outcome ? kFine : outcome.error().exit_code,
-                        report_.json(step_, time_, stopped_, states_, link_, outcome));
+                        report_.json(step_, time_, stopped_, states_, link_, outcome, sleep_, interface_));
   }
 
  private:
@@ -96,11 +100,32 @@ class Server {
       return ok();
     }
     if (auto s = take_commands(); !s) return s;
-    Step step = choose_step(limits_, fluid_->facts(), coupled_ ? engine_bound_ : 1e300, time_, end);
+    const double until = std::min(sleep_.until(time_), end);
+    Step step{until - time_, Limit::kAsleep};
     std::uint32_t iteration = 0;
-    for (;; ++iteration) {
+    if (until > time_) {
+      if (auto s = sleep(until, end); !s) return s;
+    } else {
+      step = choose_step(limits_, fluid_->facts(), coupled_ ? engine_bound_ : 1e300, time_, end);
+      cut_ |= step.limit == Limit::kOutput;
+      if (auto s = compute(step, iteration, end); !s) return s;
+    }
+    exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
+    r.iteration = iteration;
+    r.wall_wait = link_.seconds_waited() - waited;
+    r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
+    sleep_.took(r.wall_compute + r.wall_wait, step.dt);
+    if (auto s = link_.report(r); !s) return s;
+    if (auto s = obey(); !s) return s;
+    if (auto s = rows(false); !s) return s;
+    return due_.at(time_) && !cut_ && time_ < end * (1 - 1e-12) ? write_checkpoint() : ok();
+  }
+
+  /// A step that is computed, as often as it takes; `step` and `iteration` become those of the try that was kept.
+  Status compute(Step& step, std::uint32_t& iteration, double end) {
+    for (std::uint32_t retry = 0;; ++iteration, ++retry) {
       if (auto s = try_step(step, iteration, end); !s) return s;
-      if (fluid_->facts().max_move <= kLongestMove || iteration == kRetries) break;
+      if (fluid_->facts().max_move <= kLongestMove || retry == kRetries) break;
       // Something was faster than the last step foretold: do the step again, shorter.
       fluid_->roll_back();
       states_ = states_before_;
@@ -110,16 +135,42 @@ class Server {
     time_ += step.dt;
     last_limit_ = step.limit;
     if (!fluid_->facts().finite || fluid_->facts().max_speed > kMostMach * limits_.sound_speed) return diverged(step);
-    report_.count(step.limit, *fluid_, states_, step.dt, time_);
-    if (report_.measured().compression_mean > kMostCompression) return diverged(step);
-    exchange::StepReport r = report_.step_report(step_, time_, step, exchange::state_hash(states_));
-    r.iteration = iteration;
-    r.wall_wait = link_.seconds_waited() - waited;
-    r.wall_compute = std::chrono::duration<double>(Clock::now() - start).count() - r.wall_wait;
-    if (auto s = link_.report(r); !s) return s;
-    if (auto s = obey(); !s) return s;
-    if (auto s = rows(false); !s) return s;
-    return due_.at(time_) && time_ < end * (1 - 1e-12) ? write_checkpoint() : ok();
+    report_.count(step.limit, states_before_, states_, step.dt, time_);
+    if (coupled_) report_.interface(interface_, time_);
+    if (report_.measured().compression_mean > kMostCompression ||
+        report_.energy().share_now() > scene_.numerics.energy_bound)
+      return diverged(step);
+    sleep_.computed(time_, states_, fluid_->facts().max_speed);
+    return ok();
+  }
+
+  /// A step to `until` that is slept through: particles, bodies and the forces between them stay as they are.
+  Status sleep(double until, double end) {
+    const double dt = until - time_;
+    if (coupled_) {
+      if (auto s = send(dt, 0, exchange::kAsleep, {}, end); !s) return s;
+      if (auto answer = link_.receive(step_ + 1, 0, states_); !answer) return answer.error();
+    }
+    sleep_.slept(time_, until);
+    ++step_;
+    time_ = until;
+    last_limit_ = Limit::kAsleep;
+    report_.count_slept(dt);
+    return ok();
+  }
+
+  /// The order of the coming step, of length dt.
+  Status send(double dt, std::uint32_t iteration, std::uint32_t flags, std::span<const exchange::Contact> contacts,
+              double end) {
+    if (iteration > 0) flags |= exchange::kRollBack;
+    if (time_ + dt >= end * (1 - 1e-12)) flags |= exchange::kLast;
+    exchange::Order order{};
+    order.step = step_ + 1;
+    order.iteration = iteration;
+    order.flags = flags;
+    order.time = time_;
+    order.dt = order.next_dt = dt;
+    return link_.send(order, fluid_->wrenches(), contacts, commands_);
   }
 
   /// Those that take effect at the end of the coming step; the rigid process gets them with the order. A body cannot be
@@ -145,7 +196,12 @@ class Server {
   /// What commands change in the fluid, once the step is kept.
   Status obey() {
     for (const exchange::Command& c : commands_) {
-      if (c.kind == exchange::CommandKind::kGravity) set_gravity(Vec3(c.values[0], c.values[1], c.values[2]));
+      sleep_.command(c, time_);
+      if (c.kind == exchange::CommandKind::kGravity) {
+        const Measures before = fluid_->measure();
+        set_gravity(Vec3(c.values[0], c.values[1], c.values[2]));
+        report_.energy().jump(before, fluid_->measure());
+      }
       if (coupled_) continue;  // the rigid process tells
       if (auto s = link_.command_result(step_, time_, c.id, ""); !s) return s;
     }
@@ -156,6 +212,7 @@ class Server {
   void set_gravity(const Vec3& gravity) {
     scene_.world.gravity = gravity;
     fluid_->set_gravity(gravity);
+    interface_.set_gravity(gravity);
     limits_ = step_limits(scene_, bodies_, *fluid_);
   }
 
@@ -164,7 +221,11 @@ class Server {
   void state(A& a) {
     a("step", step_), a("time", time_), a("last_row", last_row_), a("last_row_time", last_row_time_);
     a("gravity", scene_.world.gravity), a("simd", simd_), a("fluid", *fluid_), a("report", report_);
-    if (!coupled_) a("states", states_);
+    a("sleep", sleep_);
+    if (coupled_)
+      a("interface", interface_);
+    else
+      a("states", states_);
   }
 
   Status write_checkpoint() {
@@ -200,21 +261,36 @@ class Server {
   }
 
   /// The step itself; reads like the one in the folder's README.
-  Status try_step(const Step& step, std::uint32_t iteration, double end) {
+  Status try_step(const Step& step, std::uint32_t& iteration, double end) {
     fluid_->begin(states_, step.dt);
-    if (coupled_) {
-      exchange::Order order{};
-      order.step = step_ + 1;
-      order.iteration = iteration;
-      order.flags = (iteration > 0 ? exchange::kRollBack : 0u) |
-                    (time_ + step.dt >= end * (1 - 1e-12) ? static_cast<std::uint32_t>(exchange::kLast) : 0u);
-      order.time = time_;
-      order.dt = order.next_dt = step.dt;
-      if (auto s = link_.send(order, fluid_->wrenches(), fluid_->contacts(), commands_); !s) return s;
-    }
-    fluid_->move();
     states_before_ = states_;
-    if (!coupled_) return ok();
+    if (!coupled_) {
+      fluid_->move();
+      return ok();
+    }
+    interface_.begin(states_);
+    if (auto s = send(step.dt, iteration, 0, fluid_->contacts(), end); !s) return s;
+    if (!interface_.iterates()) fluid_->move();  // while the rigid process works
+    if (auto s = take_answer(iteration); !s) return s;
+    while (!interface_.settle(fluid_->wrenches(), states_)) {
+      repeat(step);
+      if (auto s = send(step.dt, ++iteration, 0, fluid_->contacts(), end); !s) return s;
+      if (auto s = take_answer(iteration); !s) return s;
+    }
+    if (interface_.iterates()) fluid_->move();
+    return ok();
+  }
+
+  /// The wrenches for other free accelerations. In the first step these decide the pressure that the fluid starts with,
+  /// too: without that the wave of bodies let go one by one hides what joined ones do.
+  void repeat(const Step& step) {
+    if (step_ > 0 || fluid_->implicit()) return fluid_->again(interface_.assumed());
+    fluid_->roll_back();
+    report_.quiet(fluid_->quiet_start(interface_.assumed()));
+    fluid_->begin(interface_.assumed(), step.dt);
+  }
+
+  Status take_answer(std::uint32_t iteration) {
     auto answer = link_.receive(step_ + 1, iteration, states_);
     if (!answer) return answer.error();
     engine_bound_ = answer->max_dt > 0 ? answer->max_dt : 1e300;
@@ -233,8 +309,14 @@ class Server {
     return values.empty() ? ok() : link_.frame(exchange::FrameKind::kProbes, step_, time_, values);
   }
 
-  Status diverged(const Step& step) const {
-    const LastStep last{step_, time_, step.dt, report_.worst_mach(), report_.measured().compression_mean};
+  Status diverged(const Step& step) {
+    const LastStep last{step_,
+                        time_,
+                        step.dt,
+                        report_.worst_mach(),
+                        report_.measured().compression_mean,
+                        report_.energy().gain(),
+                        report_.energy().share_now()};
     Error error = post_mortem(scene_, bodies_, *fluid_, states_, last);
     if (auto s = report_.write_post_mortem(states_, time_); !s) error.what += "; " + s.error().text();
     return error;
@@ -249,7 +331,9 @@ class Server {
   std::vector<Body> bodies_;
   std::unique_ptr<WcsphFluid> fluid_;
   Report report_;
+  exchange::Sleep sleep_;
   bool coupled_, stopped_ = false;
+  Interface interface_;
   StepLimits limits_;
   Limit last_limit_ = Limit::kSound;
   std::unique_ptr<MonitorFrames> monitor_;
@@ -260,6 +344,7 @@ class Server {
   double time_ = 0;
   std::int64_t last_row_ = -1;
   double last_row_time_ = -1;
+  bool cut_ = false;  // a step was made shorter for the end: from a checkpoint after it no longer run could go on
   checkpoint::Due due_;
   std::string simd_ = simd_name();
 };

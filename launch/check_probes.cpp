@@ -82,7 +82,10 @@ Status check(const Scene& scene, const std::vector<Body>& bodies, const Box3& re
 Status check_probes(const Scene& scene, const std::vector<Body>& bodies) {
   if (scene.fluids.empty()) return ok();
   const Box3 reach = reach_of(scene, bodies);
-  for (const Probe& probe : scene.probes) {
+  for (Probe probe : scene.probes) {
+    for (std::size_t b = 0; b < bodies.size(); ++b)  // where it is at the start
+      if (!probe.frame.empty() && scene.models[b].name == probe.frame)
+        probe.at = bodies[b].pose.position + bodies[b].pose.rotation * probe.at;
     if (probe.kind != ProbeKind::kLevel && probe.kind != ProbeKind::kPressure) continue;
     if (Status s = check(scene, bodies, reach, probe); !s) return s;
   }

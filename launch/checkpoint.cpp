@@ -72,6 +72,13 @@ bool harmless(const std::string& path) {
   return false;
 }
 
+/// Does the duration decide nothing but the end? Where nothing has weight, ODE's limits on how fast bodies that overlap
+/// part hang on it.
+bool duration_is_free(const Scene& scene) {
+  const bool free = std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; });
+  return !free || scene.coupling.engine == "free_body" || scene.world.gravity.norm() > 0;
+}
+
 }  // namespace
 
 Result<Checkpoint> newest_checkpoint(const std::string& out_dir) {
@@ -94,9 +101,20 @@ Status same_scene(const Checkpoint& checkpoint, const Scene& scene) {
   auto before = read_scene_text(checkpoint.scene_text, checkpoint.scene_name + ".yaml");
   if (!before) return before.error();
   std::string keys;
+  const bool longer = duration_is_free(scene);
   for (const std::string& path : scene_differences(*before, scene))
-    if (!harmless(path)) keys += (keys.empty() ? "" : ", ") + path.substr(1);
+    if (!harmless(path) && !(longer && path == "/world/duration")) keys += (keys.empty() ? "" : ", ") + path.substr(1);
+  if (keys.empty() && !(scene.world.duration > checkpoint.time))
+    return Error{fmt::format("the checkpoint {} is of t = {:.6g} s, and world.duration is {:.6g} s", checkpoint.folder,
+                             checkpoint.time, scene.world.duration),
+                 "let the run last longer (--duration)", "--resume"};
   if (keys.empty()) return ok();
+  if (keys == "world/duration")
+    return Error{fmt::format("the run of the checkpoint {} was to last {:.6g} s, not {:.6g} s", checkpoint.folder,
+                             before->world.duration, scene.world.duration),
+                 "leave --duration away: without gravity the engine parts bodies that overlap at a speed that hangs on "
+                 "the duration, so a longer run would not be the same from the start",
+                 "--resume"};
   return Error{fmt::format("the scene is not that of the checkpoint {}: {} differ", checkpoint.folder, keys),
                "give the scene and the options of the first run, or leave the scene away: the checkpoint has it",
                "--resume"};

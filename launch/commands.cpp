@@ -31,13 +31,34 @@ std::string contents(const Prepared& p) {
                             p.scene.expects.size());
 }
 
+/// What the fluid process does in a step, and what it keeps of every particle.
+void print_passes(const Scene& scene) {
+  const bool implicit = scene.numerics.pressure == Pressure::kImplicit;
+  const bool viscous = std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.viscosity > 0; });
+  const auto any = [&](Motion motion) {
+    return std::ranges::any_of(scene.models, [=](const Model& m) { return m.motion == motion; });
+  };
+  const bool free = any(Motion::kDynamic);
+  fmt::print("\npasses of a step\n");
+  if (free || any(Motion::kPrescribed)) fmt::print("  samples of moving bodies are placed\n");
+  fmt::print("  particles are sorted by cell, samples near them merged in\n  neighbour lists{}\n",
+             implicit ? "" : ", and in the same sweep continuity and density diffusion");
+  if (implicit) fmt::print("  implicit pressure: rows, and products until it fits\n");
+  if (!scene.models.empty())
+    fmt::print("  sums of samples, pressure and forces on solids, barrier{}\n", free ? ", films between solids" : "");
+  fmt::print("  acceleration: pressure, artificial viscosity{}; motion\n", viscous ? ", viscosity" : "");
+  fmt::print("\nfields of a particle\n  position, velocity, pressure, volume, id{}\n", implicit ? ", compression" : "");
+  if (viscous) fmt::print("  viscous velocity and viscosity, for a step\n");
+}
+
 }  // namespace
 
 int check(const std::string& scene, const Overrides& overrides) {
   auto prepared = prepare(scene, overrides);
   if (!prepared) return fail(prepared.error());
   fmt::print("{}\n", contents(*prepared));
-  for (const std::string& warning : prepared->warnings) fmt::print(stderr, "ballast: warning: {}\n", warning);
+  for (const auto* list : {&prepared->warnings, &prepared->oddities})
+    for (const std::string& warning : *list) fmt::print(stderr, "ballast: warning: {}\n", warning);
   return kFine;
 }
 
@@ -65,10 +86,19 @@ int plan(const std::string& scene, const Overrides& overrides) {
     fmt::print("  fluid_server: pressure and motion of the fluid{}\n", p.rigid ? ", wrenches on the bodies" : "");
   if (p.rigid)
     fmt::print("  rigid_client: engine {}, {} engine step(s) per exchange\n", coupling.engine, coupling.substeps);
+  const auto because = [](const std::string& reason) { return reason.empty() ? "" : ": " + reason; };
+  if (p.fluid)
+    fmt::print("\nsolver\n  {}{}\n", p.scene.numerics.pressure == Pressure::kImplicit ? "implicit" : "wcsph (explicit)",
+               because(p.choices.pressure_reason));
   if (p.fluid && p.rigid) {
-    fmt::print("\nexchange\n  scheme {}; every step: states and mobilities to the fluid, wrenches{} to the engine\n",
-               coupling.scheme, coupling.contact_sets ? " and contact sets" : "");
+    fmt::print(
+        "\nexchange\n  scheme {}{}\n  every step: states and mobilities to the fluid, wrenches{} to the engine\n",
+        coupling.scheme, because(p.choices.scheme_reason), coupling.contact_sets ? " and contact sets" : "");
   }
+  if (p.fluid) print_passes(p.scene);
+  if (p.scene.world.sleep_speed > 0)
+    fmt::print("\nat rest: nothing faster than {:g} m/s for {:g} s: steps are slept through\n",
+               p.scene.world.sleep_speed, p.scene.world.sleep_after);
   fmt::print("\noutputs, every {:g} s\n  record.json: once, at the end\n", p.scene.output.every);
   if (p.rigid) fmt::print("  bodies.csv: {} columns\n", 1 + output::body_columns(p.scene).size());
   if (!p.scene.probes.empty()) fmt::print("  probes.csv: {} columns\n", 1 + output::probe_columns(p.scene).size());

@@ -31,7 +31,7 @@ constexpr double kGraceAfterEnd = 2;      // s for a process to exit after its f
 constexpr double kGraceAfterStop = 20;    // s for a step under way when the run is stopped
 constexpr auto kNap = std::chrono::milliseconds(50);
 
-volatile std::sig_atomic_t signals_seen = 0;
+volatile std::sig_atomic_t signals_seen = 0, first_signal = 0;
 
 /// Counts SIGINT, SIGTERM and SIGHUP while it lives.
 class StopSignals {
@@ -39,7 +39,10 @@ class StopSignals {
   StopSignals() {
     signals_seen = 0;
     struct sigaction action {};
-    action.sa_handler = [](int) { signals_seen = signals_seen + 1; };
+    action.sa_handler = [](int number) {
+      if (signals_seen == 0) first_signal = number;
+      signals_seen = signals_seen + 1;
+    };
     for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &old_[i]);
     signal(SIGPIPE, SIG_IGN);  // `ballast run | head`: who reads may go, the run goes on
   }
@@ -190,16 +193,18 @@ class Driver {
     if (!stopping_) {
       stopping_ = true;
       outcome_.interrupted = true;
+      outcome_.stopped_by = std::string("SIG") + sigabbrev_np(first_signal);
       stop_time_ = elapsed();
       progress_.clear();
-      say(stderr, "stopping after the step under way (once more to stop at once)\n");
+      say(stderr, "{}: stopping after the step under way (once more to stop at once)\n", outcome_.stopped_by);
       control_.stop();
     }
     if (signals_seen > 1 || elapsed() - stop_time_ > kGraceAfterStop) children_.end_all();
     // By hand there may be nobody yet to stop.
     for (Role role : roles_)
       if (options_.by_hand && control_.state(role) == PeerState::kAbsent)
-        fail(kProcessFailed, fmt::format("interrupted before the {} had attached", exchange::role_name(role)));
+        fail(kProcessFailed,
+             fmt::format("stopped by {} before the {} had attached", outcome_.stopped_by, exchange::role_name(role)));
   }
 
   /// Only the fluid chooses steps.
@@ -323,7 +328,7 @@ class Driver {
       outcome_.checkpoints = options_.checkpoints->written();
     }
     outcome_.total_s = elapsed();
-    if (outcome_.interrupted) fail(kProcessFailed, "interrupted");
+    if (outcome_.interrupted) fail(kProcessFailed, "stopped by " + outcome_.stopped_by);
     if (commanded_) outcome_.stopped_after = done().step;
     act_.close();
     outcome_.commands = obey_.record();

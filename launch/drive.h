@@ -19,6 +19,7 @@ namespace ballast::launch {
 struct Outcome {
   int exit = kFine;
   bool interrupted = false;
+  std::string stopped_by;                             ///< interrupted: by which signal, "SIGTERM"
   nlohmann::json commands = nlohmann::json::array();  ///< those that came, with the step
   std::optional<std::uint64_t> stopped_after;         ///< step after which a command ended the run
   std::string message;                                ///< empty if fine

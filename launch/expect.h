@@ -32,6 +32,7 @@ struct Verdict {
   double high = std::numeric_limits<double>::infinity();
   bool pass = false;
   bool reference_missing = false;  ///< neither passed nor missed
+  std::string not_judged{};        ///< why neither passed nor missed: the run did not come to its end
   std::string note{};              ///< why there is no value, or what else a reader should know
 
   std::string bound_text() const;  ///< "<= 0", "0.1 .. 0.2"
@@ -39,6 +40,9 @@ struct Verdict {
 };
 
 std::vector<Verdict> judge(const Evidence& evidence);
+
+/// A run that loses more than 1 % of its fluid has missed something, unless its scene says how much may be lost.
+std::optional<Verdict> judge_unforeseen_loss(const Evidence& evidence);
 
 /// One verdict; public for the tests. Splits by ExpectKind.
 Verdict judge_one(const Expect& expect, const Evidence& evidence);

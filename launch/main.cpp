@@ -55,7 +55,7 @@ constexpr Sugar kSugar[] = {
     {"--spacing", "world.spacing", "particle spacing, e.g. 2cm"},
     {"--engine", "coupling.engine", "rigid engine: ode, free_body"},
     {"--checkpoint", "output.checkpoint.every", "simulated time between checkpoints, e.g. 1s"},
-    {"--scheme", "coupling.scheme", "coupling scheme: auto, interlinked, staggered"},
+    {"--scheme", "coupling.scheme", "coupling scheme: auto, interlinked, iterated, staggered"},
 };
 
 /// Options that every command with a scene has.
@@ -95,10 +95,12 @@ int most_threads() { return std::max(64, 4 * static_cast<int>(std::thread::hardw
 /// Options of `run`.
 struct RunArguments {
   launch::RunOptions options;
-  bool picture = false, vtk = false, lcm = false, no_expect = false;
+  bool picture = false, vtk = false, lcm = false;
 
   void add_to(CLI::App& run) {
-    run.add_flag("--no-expect", no_expect, "leave out the scene's expectations, e.g. for a shorter --duration");
+    run.add_flag("--no-expect", options.no_expect,
+                 "expect nothing, not even that the fluid stays: leave out the scene's expectations, e.g. for a "
+                 "shorter --duration");
     run.add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
     run.add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
         ->check(CLI::Range(1, most_threads()));
@@ -119,11 +121,12 @@ struct RunArguments {
                    "go on from the newest checkpoint in this output folder (see --checkpoint)")
         ->type_name("DIR");
     run.add_flag("--by-hand", options.by_hand, "print the commands of the two processes instead of starting them");
+    run.add_flag("--left-out", options.left_out, "print what the run did without, and what that saved");
     run.add_flag("--quiet", options.quiet, "no progress, only the last five lines");
   }
   /// Adds the flags as the overrides that they stand for.
   void spell_out() {
-    if (no_expect) options.overrides.emplace_back("expect", "[]");
+    if (options.no_expect) options.overrides.emplace_back("expect", "[]");
     if (picture) options.overrides.emplace_back("output.picture", "true");
     if (vtk) options.overrides.emplace_back("output.vtk", "true");
     if (lcm || options.lcm_commands || !options.lcm_url.empty()) options.overrides.emplace_back("output.lcm", "true");

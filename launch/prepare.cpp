@@ -12,15 +12,32 @@ namespace ballast::launch {
 
 namespace {
 
+/// Passes and fields of the fluid.
+void find_left_out_of_fluid(const Scene& scene, std::vector<LeftOut>& out) {
+  const auto any = [&](auto differs) { return std::ranges::any_of(scene.fluids, differs); };
+  if (!any([](const Fluid& f) { return f.viscosity > 0; }))
+    out.push_back({kViscous, "no fluid has viscosity", "terms in two passes, and a velocity per particle",
+                   "none: they would be zero"});
+  if (!any([&](const Fluid& f) { return f.density != scene.fluids[0].density; }))
+    out.push_back({kDensities, "all fluid has one density", "a number per particle", "none: one number says it"});
+  if (!std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
+    out.push_back({kFilms, "no body moves freely", "a solve of the pressure between them, and its samples",
+                   "none: nothing could be lifted"});
+  if (scene.numerics.pressure != Pressure::kImplicit)
+    out.push_back({kCompression, "numerics.pressure is not implicit", "its solver, and a number per particle",
+                   "none: the explicit solver needs neither"});
+}
+
 std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
   std::vector<LeftOut> out;
   if (!fluid) {
-    out.push_back({"fluid process", "no fluid in this scene", "one process with all its memory, and every exchange",
+    out.push_back({kFluidProcess, "no fluid in this scene", "one process with all its memory, and every exchange",
                    "none: nothing would act on the bodies"});
   }
   if (!rigid) {
-    out.push_back({"rigid process", "every model is static", "one process, and every exchange", "none: nothing moves"});
+    out.push_back({kRigidProcess, "every model is static", "one process, and every exchange", "none: nothing moves"});
   }
+  if (fluid) find_left_out_of_fluid(scene, out);
   if (fluid && rigid && !scene.coupling.contact_sets) {
     out.push_back({"contact sets", "coupling.contact_sets is false",
                    "one pass over the wetted samples and its messages", "none: wrenches are exact without them"});
@@ -31,8 +48,8 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
   }
   if (scene.probes.empty()) out.push_back({"probes.csv", "the scene has no probes", "one file and its sums", "none"});
   if (!scene.output.lcm) {
-    out.push_back({"messages over LCM", "output.lcm is false (--lcm)",
-                   "one thread, a queue, and frames for monitors in the ring", "none: monitors only watch"});
+    out.push_back({kMessages, "output.lcm is false (--lcm)", "one thread, a queue, and frames for monitors in the ring",
+                   "none: monitors only watch"});
   } else if (fluid && scene.output.lcm_particles == 0) {
     out.push_back({"messages of particles", "output.lcm_particles is 0", "a pass over the particles per output time",
                    "none: monitors only watch"});
@@ -41,7 +58,7 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
     out.push_back({"checkpoints", "output.checkpoint.every is 0 (--checkpoint TIME)",
                    "a file of the state per process and interval", "none; a run that is killed starts anew"});
   }
-  if (!scene.output.vtk) out.push_back({"ParaView files", "output.vtk is false", "two files per output time", "none"});
+  if (!scene.output.vtk) out.push_back({kVtk, "output.vtk is false", "two files per output time", "none"});
   if (!scene.output.picture)
     out.push_back({"picture.png", "output.picture is false", "one rendering at the end", "none"});
   return out;
@@ -235,6 +252,7 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   auto bodies = make_bodies(scene);
   if (!bodies) return bodies.error();
   Prepared out{std::move(scene), std::move(*bodies), false, false, {}};
+  out.choices = choose(out.scene);
   out.fluid = !out.scene.fluids.empty();
   out.rigid = std::ranges::any_of(out.scene.models, [](const Model& m) { return m.motion != Motion::kStatic; });
   if (!out.fluid && !out.rigid) {
@@ -243,6 +261,7 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   }
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
+  out.oddities = odd_bodies(out);
   out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
   return out;
 }

@@ -133,7 +133,8 @@ std::uint32_t Publisher::frames_wanted(const Prepared& prepared) {
   return bits;
 }
 
-Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared& prepared, const std::string& url) {
+Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared& prepared, const std::string& url,
+                                                   std::function<Clock::time_point()> now) {
   auto worker = std::make_shared<Worker>(prepared, url);
   if (!worker->lcm->good()) {
     return Error{
@@ -143,10 +144,11 @@ Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared& prepared, con
         "--lcm-url"};
   }
   worker->thread = std::thread([worker] { worker->run(); });
-  return std::unique_ptr<Publisher>(new Publisher(std::move(worker)));
+  return std::unique_ptr<Publisher>(new Publisher(std::move(worker), std::move(now)));
 }
 
-Publisher::Publisher(std::shared_ptr<Worker> worker) : worker_(std::move(worker)) {}
+Publisher::Publisher(std::shared_ptr<Worker> worker, std::function<Clock::time_point()> now)
+    : worker_(std::move(worker)), now_(std::move(now)) {}
 
 Publisher::~Publisher() {
   if (!closed_) (void)close({});
@@ -161,7 +163,7 @@ void Publisher::take(Role role, Frame&& frame) {
 }
 
 void Publisher::status(const RunStatus& status) {
-  next_status_ = Clock::now() + kStatusEvery;
+  next_status_ = now_() + kStatusEvery;
   worker_->queue.offer(status, kItemBytes);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -36,26 +37,29 @@ class Publisher {
   static Status available();
   /// Frames that a process should write for the messages of this run: bits of Header::monitor.
   static std::uint32_t frames_wanted(const Prepared& prepared);
-  /// Opens the URL (see msgs/url.h) and starts the thread. `prepared` must outlive this object.
-  static Result<std::unique_ptr<Publisher>> make(const Prepared& prepared, const std::string& url);
+  using Clock = std::chrono::steady_clock;
+  /// Opens the URL (see msgs/url.h) and starts the thread. `prepared` must outlive this object. `now` says when a
+  /// status is due.
+  static Result<std::unique_ptr<Publisher>> make(const Prepared& prepared, const std::string& url,
+                                                 std::function<Clock::time_point()> now = Clock::now);
   ~Publisher();
 
   /// Takes over a frame that has been collected. Steps, probes, checkpoints and answers to commands make no message; a
   /// full queue drops, and counts.
   void take(exchange::Role role, exchange::Frame&& frame);
   /// Ten times a second.
-  bool status_due() const { return Clock::now() >= next_status_; }
+  bool status_due() const { return now_() >= next_status_; }
   void status(const RunStatus& status);
   /// Sends the last status and what is in the queue, within half a second; what is left then is dropped. For the
   /// record: url, messages sent, dropped, failed.
   nlohmann::json close(const RunStatus& last);
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Worker;
-  explicit Publisher(std::shared_ptr<Worker> worker);
+  Publisher(std::shared_ptr<Worker> worker, std::function<Clock::time_point()> now);
   std::shared_ptr<Worker> worker_;  // shared with the thread, which may outlive this object if a monitor blocks it
-  Clock::time_point next_status_{};
+  std::function<Clock::time_point()> now_;
+  Clock::time_point next_status_ = Clock::time_point::min();
   bool closed_ = false;
 };
 

@@ -17,7 +17,10 @@ Status Publisher::available() {
       "--lcm"};
 }
 std::uint32_t Publisher::frames_wanted(const Prepared&) { return 0; }
-Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared&, const std::string&) { return available().error(); }
+Result<std::unique_ptr<Publisher>> Publisher::make(const Prepared&, const std::string&,
+                                                   std::function<Clock::time_point()>) {
+  return available().error();
+}
 Publisher::~Publisher() = default;
 void Publisher::take(exchange::Role, exchange::Frame&&) {}
 void Publisher::status(const RunStatus&) {}

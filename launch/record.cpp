@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/scene/reader.h"
+#include "launch/savings.h"
 
 namespace ballast::launch {
 
@@ -19,11 +20,6 @@ using exchange::Role;
 using nlohmann::json;
 
 namespace {
-
-/// What `from` has under `key`, or null.
-json get(const json& from, const char* key) {
-  return from.is_object() && from.contains(key) ? from[key] : json(nullptr);
-}
 
 std::optional<std::array<double, 3>> vector_of(const json& from, const char* key) {
   const json value = get(get(from, "ledger"), key);
@@ -53,6 +49,13 @@ json joined_hash(const json& fluid, const json& rigid) {
   for (char c : f.get<std::string>() + r.get<std::string>())
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return fmt::format("{:016x}", hash);
+}
+
+/// The rigid process has one thread; how many "all cores" (0 asked) are, only the fluid process knows.
+json threads_used(const json& fluid, bool has_fluid, int asked) {
+  if (const json reported = get(fluid, "threads"); reported.is_number()) return reported;
+  if (!has_fluid) return 1;
+  return asked > 0 ? json(asked) : json(nullptr);
 }
 
 json merged_ledger(const json& fluid, const json& rigid) {
@@ -97,11 +100,9 @@ void add_lists(json& record, const Prepared& prepared, const Outcome& outcome, c
                const std::vector<Verdict>& verdicts) {
   record["expect"] = json::array();
   for (const Verdict& v : verdicts) record["expect"].push_back(v.json());
-  record["left_out"] = json::array();
-  for (const LeftOut& l : prepared.left_out) {
-    record["left_out"].push_back({{"what", l.what}, {"why", l.why}, {"saved", l.saved}, {"difference", l.difference}});
-  }
-  record["warnings"] = collector.warnings();
+  record["left_out"] = savings(prepared, outcome, collector);
+  record["warnings"] = prepared.oddities;
+  for (const std::string& warning : collector.warnings()) record["warnings"].push_back(warning);
   if (const json failed = get(outcome.lcm, "failed"); failed.is_number() && failed > 0) {
     record["warnings"].push_back(fmt::format(
         "{} messages over LCM could not be sent to {}: is there a route to it? (ip link set lo multicast on; "
@@ -109,9 +110,6 @@ void add_lists(json& record, const Prepared& prepared, const Outcome& outcome, c
         failed.get<std::uint64_t>(), outcome.lcm["url"].get<std::string>()));
   }
   for (const json* report : {&outcome.fluid, &outcome.rigid}) {
-    for (const json& item : get(*report, "left_out").is_array() ? (*report)["left_out"] : json::array()) {
-      record["left_out"].push_back(item);
-    }
     for (const json& item : get(*report, "warnings").is_array() ? (*report)["warnings"] : json::array()) {
       if (std::ranges::find(record["warnings"], item) == record["warnings"].end()) record["warnings"].push_back(item);
     }
@@ -141,8 +139,11 @@ std::string number_text(const json& value, const char* format) {
   return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : kNone;
 }
 
-const char* exit_text(int code) {
-  switch (code) {
+/// What the exit code means for this run.
+std::string exit_text(const json& record) {
+  if (const json signal = get(record, "stopped_by"); signal.is_string())
+    return "stopped by " + signal.get<std::string>();
+  switch (record["exit"].get<int>()) {
     case kFine:
       return "fine";
     case kBadInput:
@@ -163,6 +164,8 @@ std::string bound_text(const json& bound) {
 
 std::string expectations_text(const json& expects) {
   if (expects.empty()) return "no expectations";
+  if (const json why = get(expects[0], "not_judged"); why.is_string())
+    return "expectations not judged: " + why.get<std::string>();
   constexpr std::size_t kShown = 3;  // the record has all; those missed are listed above the last lines
   std::size_t met = 0, missing = 0, shown = 0;
   std::string values;
@@ -204,17 +207,20 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   record["scene_hash"] = fmt::format("{:016x}", scene_hash(scene));
   record["version"] = BALLAST_VERSION;
   record["machine"] = machine();
-  record["threads"] = get(fluid, "threads").is_number() ? get(fluid, "threads") : json(threads);
+  record["threads"] = threads_used(fluid, prepared.fluid, threads);
   record["engine"] = prepared.rigid ? json(scene.coupling.engine) : json(nullptr);
   if (get(rigid, "engine").is_string()) record["engine_details"] = get(rigid, "engine");
   const json scheme = get(fluid, "scheme");
   record["scheme"] = scheme.is_string()                 ? scheme
                      : prepared.fluid && prepared.rigid ? json(scene.coupling.scheme)
                                                         : json(nullptr);
-  if (!get(fluid, "scheme_reason").is_null()) record["scheme_reason"] = get(fluid, "scheme_reason");
+  const Choices& chosen = prepared.choices;
+  if (!chosen.scheme_reason.empty()) record["scheme_reason"] = chosen.scheme_reason;
+  if (!chosen.pressure_reason.empty()) record["pressure_reason"] = chosen.pressure_reason;
   record["has_fluid"] = prepared.fluid;
   record["exit"] = outcome.exit;
   record["interrupted"] = outcome.interrupted;
+  if (outcome.interrupted) record["stopped_by"] = outcome.stopped_by;
   if (!outcome.message.empty()) record["message"] = outcome.message;
   record["simulated_s"] = totals.last.time;
   record["wall_s"] = outcome.wall_s;
@@ -244,6 +250,7 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   // What exchange and engine cost the fluid, which works on while the engine does: all its waiting.
   record["exchange_s"] = prepared.fluid && prepared.rigid ? json(totals.wait_s) : json(0.0);
   record["step_limits"] = get(fluid, "step_limits");
+  if (const json sleep = get(prepared.fluid ? fluid : rigid, "sleep"); sleep.is_object()) record["sleep"] = sleep;
   if (!outcome.commands.empty()) record["commands"] = outcome.commands;
   if (outcome.stopped_after) record["stopped_after_step"] = *outcome.stopped_after;
   if (outcome.lcm.is_object()) record["lcm"] = outcome.lcm;
@@ -275,6 +282,10 @@ std::vector<std::string> summary_lines(const json& r, const std::string& out_dir
   const json particles = get(r, "particles");
   std::string parts = r["engine"].is_string() ? "engine " + r["engine"].get<std::string>() : "no engine";
   if (r["scheme"].is_string()) parts += ", scheme " + r["scheme"].get<std::string>();
+  if (const json coupling = get(get(r, "fluid_process"), "coupling"); coupling.is_object())
+    parts += fmt::format(", {:.3g} iterations a step (most {}; {} steps above the tolerance)",
+                         coupling["iterations_mean"].get<double>(), coupling["iterations_most"].get<std::uint64_t>(),
+                         coupling["tolerance_unreached"].get<std::uint64_t>());
   std::string speed = fmt::format("simulated {:.4g} s in {:.3g} s ({} x real time), {} steps",
                                   r["simulated_s"].get<double>(), r["wall_s"].get<double>(),
                                   number_text(r["real_time_factor"], "{:.3g}"), r["steps"].get<std::uint64_t>());
@@ -297,13 +308,20 @@ std::vector<std::string> summary_lines(const json& r, const std::string& out_dir
     errors = fmt::format("density error {} (largest {})", percent(get(r["error"], "density_mean")),
                          percent(get(r["error"], "density_max")));
   }
+  if (const json gain = get(r["error"], "energy_gain"); gain.is_number())
+    errors += fmt::format(", energy gained {}", percent(gain));
+  if (const json mean = get(r["error"], "interface_residual_mean"); mean.is_number())
+    errors += fmt::format(", interface residual {} (largest {})", percent(mean),
+                          percent(get(r["error"], "interface_residual")));
   if (r["ledger"]["imbalance_relative"].is_number()) {
     errors += fmt::format(", momentum imbalance {:.2g}", r["ledger"]["imbalance_relative"].get<double>());
   }
   errors += "; " + expectations_text(r["expect"]);
-  const int code = r["exit"].get<int>();
-  return {fmt::format("{}: {}; exit {} ({})", r["scene"].get<std::string>(), parts, code, exit_text(code)),
-          std::move(speed), std::move(size), std::move(errors), "outputs in " + out_dir};
+  std::vector<std::string> lines{
+      fmt::format("{}: {}; exit {} ({})", r["scene"].get<std::string>(), parts, r["exit"].get<int>(), exit_text(r)),
+      std::move(speed), std::move(size), std::move(errors), "outputs in " + out_dir};
+  if (std::string slept = sleep_line(r); !slept.empty()) lines.insert(lines.begin() + 2, std::move(slept));
+  return lines;
 }
 
 }  // namespace ballast::launch

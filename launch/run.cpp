@@ -24,6 +24,7 @@
 #include "launch/prepare.h"
 #include "launch/publish.h"
 #include "launch/record.h"
+#include "launch/savings.h"
 #include "launch/say.h"
 #include "msgs/url.h"
 
@@ -249,6 +250,13 @@ Result<Prepared> prepare_run(const RunOptions& options, const std::optional<Chec
   return prepare(std::move(*scene), name);
 }
 
+/// Half a run neither meets nor misses what is expected of a whole one.
+std::string why_not_judged(const Outcome& outcome) {
+  if (outcome.interrupted) return "the run was stopped by " + outcome.stopped_by;
+  if (outcome.exit == kDiverged) return "the run diverged";
+  return outcome.exit == kBadInput ? "the run could not start" : "the run failed";
+}
+
 /// Judges, writes the record, prints the end of the run.
 int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, const RunOptions& options,
              const std::string& out_dir) {
@@ -264,11 +272,14 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
                           outcome.rigid,
                           momentum_imbalance(outcome.fluid, outcome.rigid),
                           reference_folders(options.references)};
-  const std::vector<Verdict> verdicts = judge(evidence);
-  const bool whole = outcome.exit == kFine;  // of half a run the record has the verdicts
-  for (const Verdict& v : verdicts) {
-    if (!whole) break;
-    if (v.reference_missing) {
+  std::vector<Verdict> verdicts = judge(evidence);
+  const bool whole = outcome.exit == kFine;
+  if (!options.no_expect)
+    if (auto loss = judge_unforeseen_loss(evidence)) verdicts.push_back(*std::move(loss));
+  for (Verdict& v : verdicts) {
+    if (!whole) {
+      v.not_judged = why_not_judged(outcome);
+    } else if (v.reference_missing) {
       say(stdout, "not judged: {}: reference not installed (--references DIR)\n", v.name);
     } else if (!v.pass) {
       say(stdout, "MISSED: {}: {:.6g}, bound {}{}\n", v.name, v.value, v.bound_text(),
@@ -277,7 +288,14 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
     }
   }
   if (!prepared.fluid) draw_dry(prepared, collector.bodies(), out_dir, options.threads);
-  const nlohmann::json record = make_record(prepared, outcome, collector, verdicts, options.threads);
+  nlohmann::json record = make_record(prepared, outcome, collector, verdicts, options.threads);
+  std::string go_on;  // from where a run that broke off can
+  if (!whole)
+    if (auto last = newest_checkpoint(out_dir)) {
+      record["last_checkpoint"] = {{"step", last->step}, {"time_s", last->time}, {"folder", last->folder}};
+      go_on = fmt::format("last whole checkpoint: step {}, t = {:.6g} s; go on from it: ballast run --resume {}",
+                          last->step, last->time, fs::path(out_dir).lexically_proximate(fs::current_path()).string());
+    }
   if (!options.quiet) {
     for (const std::string& line : fill_lines(outcome.fluid)) say(stdout, "{}\n", line);
   }
@@ -298,6 +316,9 @@ int conclude(const Prepared& prepared, Outcome& outcome, Collector& collector, c
   std::fflush(stderr);
   for (const std::string& line : summary_lines(record, fmt::format("{} ({})", shown.string(), files)))
     say(stdout, "{}\n", line);
+  if (!go_on.empty()) say(stdout, "{}\n", go_on);
+  if (options.left_out)
+    for (const std::string& line : savings_lines(record)) say(stdout, "{}\n", line);
   return outcome.exit;
 }
 

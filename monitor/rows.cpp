@@ -9,52 +9,16 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <span>
 
-#include "msgs/types.h"
+#include "monitor/message_type.h"
 
 namespace ballast::monitor {
 
 namespace {
 
-std::span<const ballast_message_type_t> types() {
-  int count = 0;
-  const ballast_message_type_t* first = ballast_message_types(&count);
-  return {first, static_cast<std::size_t>(count)};
-}
-
-const ballast_message_type_t* type_of_hash(std::int64_t hash) {
-  const auto found = std::ranges::find_if(types(), [&](const auto& t) { return t.info->get_hash() == hash; });
-  return found == types().end() ? nullptr : &*found;
-}
-
-/// Types of fields are named without their package.
-const lcm_type_info_t* type_of_name(const char* name) {
-  const char* dot = std::strrchr(name, '.');
-  const auto found =
-      std::ranges::find_if(types(), [&](const auto& t) { return std::strcmp(t.name, dot ? dot + 1 : name) == 0; });
-  return found == types().end() ? nullptr : found->info;
-}
-
 std::size_t size_of(const lcm_field_t& field) {
-  switch (field.type) {
-    case LCM_FIELD_INT8_T:
-    case LCM_FIELD_BYTE:
-    case LCM_FIELD_BOOLEAN:
-      return 1;
-    case LCM_FIELD_INT16_T:
-      return 2;
-    case LCM_FIELD_INT32_T:
-    case LCM_FIELD_FLOAT:
-      return 4;
-    case LCM_FIELD_INT64_T:
-    case LCM_FIELD_DOUBLE:
-      return 8;
-    case LCM_FIELD_STRING:
-      return sizeof(char*);
-    case LCM_FIELD_USER_TYPE:
-      break;
-  }
+  if (field.type == LCM_FIELD_STRING) return sizeof(char*);
+  if (const std::size_t bytes = wire_size(field.type); bytes > 0) return bytes;
   const lcm_type_info_t* info = type_of_name(field.typestr);
   return info ? static_cast<std::size_t>(info->struct_size()) : 0;
 }
@@ -141,30 +105,21 @@ std::int32_t list_size(const lcm_type_info_t& info, const void* message) {
   return -1;
 }
 
-std::int64_t first_eight_bytes(const void* data) {
-  std::uint64_t hash = 0;
-  for (int i = 0; i < 8; ++i) hash = hash << 8 | static_cast<const std::uint8_t*>(data)[i];
-  return static_cast<std::int64_t>(hash);
-}
-
 }  // namespace
 
 Result<Rows> rows_of(const void* data, std::size_t bytes) {
   if (bytes < 8)
     return Error{fmt::format("a message of {} bytes has no type", bytes), "is this a Ballast channel?", ""};
-  const ballast_message_type_t* type = type_of_hash(first_eight_bytes(data));
+  const ballast_message_type_t* type = type_of(data, bytes);
   if (!type) {
-    return Error{fmt::format("type {:016x} is unknown", static_cast<std::uint64_t>(first_eight_bytes(data))),
-                 "sender and monitor must come from the same build", ""};
+    std::string hash;
+    for (int k = 0; k < 8; ++k) hash += fmt::format("{:02x}", static_cast<const std::uint8_t*>(data)[k]);
+    return Error{fmt::format("type {} is unknown", hash), "sender and monitor must come from the same build", ""};
   }
-  // Zeros first: a decoder that gives up half-way leaves the rest as it was.
   auto message = std::make_unique<std::byte[]>(static_cast<std::size_t>(type->info->struct_size()));
-  const int length = static_cast<int>(std::min<std::size_t>(bytes, std::numeric_limits<int>::max()));
-  if (type->info->decode(data, 0, length, message.get()) < 0) {
-    // Entries of a list may hold anything where the decoder gave up, so those few bytes are lost rather than freed.
-    if (list_size(*type->info, message.get()) < 0) type->info->decode_cleanup(message.get());
+  if (bytes > std::numeric_limits<int>::max() || !fits(*type->info, data, bytes) ||
+      type->info->decode(data, 0, static_cast<int>(bytes), message.get()) < 0)
     return Error{fmt::format("a {} of {} bytes is damaged", type->name, bytes), "it was cut short on its way", ""};
-  }
   Rows out{type->name, {}, {}};
   const std::int32_t entries = list_size(*type->info, message.get());
   if (entries != 0) {

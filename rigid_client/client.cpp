@@ -10,6 +10,7 @@
 #include "common/checkpoint/part.h"
 #include "common/checkpoint/state.h"
 #include "common/exchange/hash.h"
+#include "common/exchange/sleep.h"
 #include "rigid_client/client_report.h"
 #include "rigid_client/engine.h"
 #include "rigid_client/outside.h"
@@ -39,6 +40,7 @@ class Client {
         engine_(std::move(engine)),
         report_(manifest_),
         outside_(manifest_),
+        sleep_(manifest_),
         due_(segment.checkpoint_every()) {}
 
   Status run(bool coupled) {
@@ -64,7 +66,7 @@ class Client {
     const Status& end = outcome ? sent : outcome;
     timing_.waiting_s = link_.seconds_waited();
     timing_.wall_s = wall_.seconds();
-    const std::string text = report_.json(engine_->describe(), timing_, end ? "" : end.error().text());
+    const std::string text = report_.json(engine_->describe(), timing_, end ? "" : end.error().text(), sleep_);
     if (auto given = link_.finish(end ? kFine : end.error().exit_code, text); !given) return given;
     return end;
   }
@@ -92,7 +94,11 @@ class Client {
       }
       engine_->save(saved_);
       saved_pushes_ = outside_.save();
-      if (auto stepped = advance(order->step, order->iteration, order->time, order->dt); !stepped) return stepped;
+      if (order->flags & exchange::kAsleep) {
+        stay(order->step, order->time + order->dt, order->dt);
+      } else if (auto stepped = advance(order->step, order->iteration, order->time, order->dt); !stepped) {
+        return stepped;
+      }
       obey(link_.ordered_commands());
       next_.report.wall_wait = link_.seconds_waited() - waited;
       answer.step = order->step;
@@ -120,8 +126,17 @@ class Client {
       const double time = static_cast<double>(step - 1) * dt;
       const double rest = duration - time;
       const double length = rest < dt * (1 - 1e-9) ? rest : dt;
-      if (auto stepped = advance(step, 0, time, length); !stepped) return stepped;
+      const Stopwatch watch;
+      if (sleep_.until(time) > time) {
+        stay(step, time + length, length);
+        sleep_.slept(time, time + length);
+      } else {
+        if (auto stepped = advance(step, 0, time, length); !stepped) return stepped;
+        sleep_.computed(time + length, states_, 0);
+      }
       obey(*commands);
+      sleep_.took(watch.seconds(), length);
+      for (const exchange::Command& command : *commands) sleep_.command(command, time + length);
       next_.report.wall_wait = link_.seconds_waited() - waited;
       keep();
       if (due_possible() && step < steps) {
@@ -153,15 +168,26 @@ class Client {
     look();
     if (substeps > 1) mean_acceleration(before, dt);
     outside_.add_to(states_, time + dt);
+    begin_report(step, time + dt, dt);
+    next_.report.iteration = iteration;
+    next_.report.wall_compute = watch.seconds();
+    return ok();
+  }
+
+  /// A step slept through: the bodies stay as they are.
+  void stay(std::uint64_t step, double end, double dt) {
+    begin_report(step, end, dt);
+    next_.asleep = true;
+  }
+
+  void begin_report(std::uint64_t step, double end, double dt) {
+    next_.asleep = false;
     exchange::StepReport& r = next_.report;
     r = exchange::StepReport{};
     r.step = step;
-    r.iteration = iteration;
-    r.time = time + dt;
+    r.time = end;
     r.dt = dt;
     r.hash = exchange::state_hash(states_);
-    r.wall_compute = watch.seconds();
-    return ok();
   }
 
   /// Commands take effect at the end of the step just advanced: what changes is in its answer.
@@ -229,7 +255,7 @@ class Client {
 
   template <class A>
   void state(A& a) {
-    a("time", time_), a("engine", saved_), a("pushes", saved_pushes_), a("report", report_);
+    a("time", time_), a("engine", saved_), a("pushes", saved_pushes_), a("report", report_), a("sleep", sleep_);
   }
 
   Status write_checkpoint() {
@@ -282,6 +308,7 @@ class Client {
   std::vector<exchange::Wrench> wrenches_;
   std::vector<exchange::Contact> contacts_;
   std::vector<std::byte> saved_;
+  exchange::Sleep sleep_;  // where there is no fluid: with one, its process decides
   checkpoint::Due due_;
   double time_ = 0;  ///< s, at the end of the step reported last
   StepRecord next_, pending_;
@@ -290,7 +317,8 @@ class Client {
 
 Status fail(exchange::Segment& segment, const Error& error) {
   exchange::RigidLink link(segment);
-  const std::string text = ClientReport(segment.manifest()).json("none", {}, error.text());
+  const std::string text =
+      ClientReport(segment.manifest()).json("none", {}, error.text(), exchange::Sleep(segment.manifest()));
   if (auto given = link.finish(error.exit_code, text); !given) return given;
   return error;
 }

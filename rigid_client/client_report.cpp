@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/exchange/hash.h"
+#include "common/exchange/sleep_json.h"
 #include "common/intervals.h"
 
 namespace ballast::rigid {
@@ -128,6 +129,7 @@ void ClientReport::count_momentum(const StepRecord& step) {
     impulse_[b] += impulse;
     impulse_total_ += impulse;
     impulse_scale_ += impulse.norm();
+    if (step.asleep) continue;  // a force without a way
     const BodyState &old = last_.states[b], &now = step.states[b];
     work_ += 0.5 * impulse.dot(vec(old.velocity) + vec(now.velocity)) +
              0.5 * dt * vec(step.wrenches[b].torque).dot(vec(old.angular_velocity) + vec(now.angular_velocity));
@@ -135,7 +137,7 @@ void ClientReport::count_momentum(const StepRecord& step) {
 }
 
 void ClientReport::count_jitter(const StepRecord& step) {
-  if (step.report.time - step.report.dt < kJitterFrom) return;
+  if (step.asleep || step.report.time - step.report.dt < kJitterFrom) return;
   ++jitter_steps_;
   for (std::size_t b = 0; b < step.states.size(); ++b) {
     const double change = (vec(step.states[b].acceleration) - vec(last_.states[b].acceleration)).norm();
@@ -161,7 +163,8 @@ double ClientReport::energy(std::span<const BodyState> states) const {
   return sum;
 }
 
-std::string ClientReport::json(const std::string& engine, const Timing& timing, const std::string& error) const {
+std::string ClientReport::json(const std::string& engine, const Timing& timing, const std::string& error,
+                               const exchange::Sleep& sleep) const {
   using nlohmann::json;
   json out;
   out["engine"] = engine;
@@ -191,6 +194,7 @@ std::string ClientReport::json(const std::string& engine, const Timing& timing, 
   out["jitter_m_s2"] = jitter;
   out["state_hash"] = fmt::format("{:016x}", exchange::state_hash(last_.states));
   out["warnings"] = warnings_;
+  if (auto slept = exchange::sleep_json(sleep); !slept.is_null()) out["sleep"] = std::move(slept);
   if (!error.empty()) out["error"] = error;
   return out.dump();
 }

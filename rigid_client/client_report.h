@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/exchange/link.h"
+#include "common/exchange/sleep.h"
 
 namespace ballast::rigid {
 
@@ -18,10 +19,11 @@ struct StepRecord {
   std::vector<exchange::Wrench> wrenches;
   std::size_t contacts = 0;
   double force_mismatch = 0;  ///< relative: sum of contact forces against the wrench, worst body
+  bool asleep = false;        ///< slept through: nothing moved, whatever the velocities say
   template <class A>
   void state(A& a) {
     a("report", report), a("states", states), a("wrenches", wrenches);
-    a("contacts", contacts), a("force_mismatch", force_mismatch);
+    a("contacts", contacts), a("force_mismatch", force_mismatch), a("asleep", asleep);
   }
 };
 
@@ -59,7 +61,8 @@ class ClientReport {
     double start_s = 0, engine_s = 0, read_s = 0, report_s = 0, waiting_s = 0, wall_s = 0;
   };
   /// The final report as JSON text; `error` is empty where all went well.
-  std::string json(const std::string& engine, const Timing& timing, const std::string& error) const;
+  std::string json(const std::string& engine, const Timing& timing, const std::string& error,
+                   const exchange::Sleep& sleep) const;
 
  private:
   Status row(exchange::Link& link, const StepRecord& step);

@@ -91,7 +91,8 @@ Error bad_field(const Expected& e, const std::string& field, const std::string& 
 
 Status check_order(const Order& o, const Expected& e, const ManifestView& m) {
   const bool again = o.iteration != 0;
-  if (o.flags & ~(kLast | kRollBack)) return bad_field(e, "flags", std::to_string(o.flags), "a sum of 1 and 2");
+  if (o.flags & ~(kLast | kRollBack | kAsleep))
+    return bad_field(e, "flags", std::to_string(o.flags), "a sum of 1, 2 and 8");
   if (again != ((o.flags & kRollBack) != 0)) {
     return bad_field(e, "flags", std::to_string(o.flags), again ? "kRollBack in a repetition" : "no kRollBack");
   }

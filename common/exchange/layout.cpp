@@ -60,6 +60,8 @@ constexpr LayoutField kFields[] = {
     FIELD(WorldRecord, substeps),
     FIELD(WorldRecord, seed),
     FIELD(WorldRecord, output_every),
+    FIELD(WorldRecord, sleep_speed),
+    FIELD(WorldRecord, sleep_after),
     FIELD(BodyRecord, name),
     FIELD(BodyRecord, mass),
     FIELD(BodyRecord, inertia),

@@ -127,7 +127,7 @@ class FluidLink : public Link {
   Status send(Order order, std::span<const Wrench> wrenches, std::span<const Contact> contacts,
               std::span<const Command> commands = {});
   /// Waits for the answer to (step, iteration) and copies the states. Checks step, counts, finite numbers, unit
-  /// quaternions.
+  /// quaternions; and after an order with kAsleep and without commands that `states` are those received last.
   Result<Answer> receive(std::uint64_t step, std::uint32_t iteration, std::span<BodyState> states);
   std::uint64_t contacts_merged() const;  ///< patches that disappeared in others so far, since the ring was full
 };

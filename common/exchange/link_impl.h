@@ -29,6 +29,7 @@ struct Link::Waiting {
   std::uint64_t step = 0;                  ///< of the last message sent or received
   std::uint32_t iteration = 0;
   std::uint64_t contacts_merged = 0;
+  bool asleep = false;  ///< fluid: bodies may not move in the order sent last
   Ring command_ring;
   std::vector<Command> commands;  ///< begins steps: waiting; rigid: of the last order
   std::vector<Contact> merged;    ///< one patch per body, for a full contact ring

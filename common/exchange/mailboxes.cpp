@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/exchange/hash.h"
 #include "common/exchange/link_impl.h"
 
 namespace ballast::exchange {
@@ -75,6 +76,7 @@ Status FluidLink::send(Order order, std::span<const Wrench> wrenches, std::span<
   std::memcpy(to, &order, sizeof order);
   if (n != 0) std::memcpy(to + sizeof order, wrenches.data(), wrenches.size_bytes());
   if (!commands.empty()) std::memcpy(to + sizeof order + wrenches.size_bytes(), commands.data(), commands.size_bytes());
+  w.asleep = (order.flags & kAsleep) != 0 && commands.empty();
   w.step = order.step;
   w.iteration = order.iteration;
   w.waiter.note_step(order.step);
@@ -101,10 +103,13 @@ Result<Answer> FluidLink::receive(std::uint64_t step, std::uint32_t iteration, s
   const std::byte* from = payload(w.segment, Part::kAnswer);
   Answer answer;
   std::memcpy(&answer, from, sizeof answer);
+  const std::uint64_t before = w.asleep ? state_hash(states) : 0;
   if (!states.empty()) std::memcpy(states.data(), from + sizeof answer, states.size_bytes());
   const ManifestView& m = w.segment.manifest;
   if (auto good = check_answer(answer, expected, m); !good) return good.error();
   if (auto good = check_states(states, expected, m); !good) return good.error();
+  if (w.asleep && state_hash(states) != before)
+    return bad_field(expected, "states in a step asleep", "of bodies that have moved", "those of the step before");
   return answer;
 }
 

@@ -9,7 +9,7 @@
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -25,8 +25,10 @@ struct WorldRecord {
   std::uint32_t substeps;   ///< engine steps per exchange
   std::uint64_t seed;
   double output_every;  ///< s between rows of bodies; 0: every step
+  double sleep_speed;   ///< m/s: where nothing is faster for sleep_after, steps are slept through; 0: never
+  double sleep_after;   ///< s
 };
-static_assert(sizeof(WorldRecord) == 72);
+static_assert(sizeof(WorldRecord) == 88);
 
 /// One body; its frame has its origin at the centre of mass (static and prescribed: at the model's origin).
 struct BodyRecord {
@@ -130,6 +132,7 @@ enum OrderFlag : std::uint32_t {
   kLast = 1u,      ///< no step follows
   kRollBack = 2u,  ///< first restore the state before `step`, then apply this order
   kEnd = 4u,       ///< never sent: RigidLink::receive() says so that the fluid process finished after `step`
+  kAsleep = 8u,    ///< the engine does not step: all bodies stay as they are
 };
 
 /// Heads every message fluid -> rigid.
@@ -161,8 +164,9 @@ struct Answer {
 static_assert(sizeof(Answer) == 48);
 
 /// What may limit a step: StepReport::limit is an index.
-inline constexpr std::array<const char*, 9> kStepLimits{
-    "sound", "viscosity", "acceleration", "light body", "rigid engine", "end of run", "retry", "flow speed", "gravity"};
+inline constexpr std::array<const char*, 10> kStepLimits{"sound",        "viscosity",  "acceleration", "light body",
+                                                         "rigid engine", "end of run", "retry",        "flow speed",
+                                                         "gravity",      "asleep"};
 
 /// Step report to the coordinator, by each process, every step.
 struct StepReport {

@@ -159,6 +159,8 @@ Manifest make_manifest(const Scene& scene, const std::vector<Body>& bodies) {
   world.substeps = static_cast<std::uint32_t>(std::max(1, scene.coupling.substeps));
   world.seed = scene.world.seed;
   world.output_every = scene.output.every;
+  world.sleep_speed = scene.world.sleep_speed;
+  world.sleep_after = scene.world.sleep_after;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     BodyRecord record = body_record(scene.models[i], bodies[i]);
     record.first_shape = static_cast<std::uint32_t>(manifest.shapes.size());

@@ -1,89 +1,30 @@
 // Mesh files to checked triangle meshes.
 #include "common/geometry/mesh_file.h"
 
-#include <assimp/DefaultIOSystem.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <assimp/IOStream.hpp>
-#include <assimp/Importer.hpp>
 #include <map>
-#include <memory>
-#include <stdexcept>
 #include <utility>
 
+#include "common/geometry/mesh_reader.h"
+
 namespace ballast::geometry {
-
-namespace {
-
-/// Passes on, and loses patience where assimp goes round in circles in a damaged file (its PLY reader does).
-class PatientStream : public Assimp::IOStream {
- public:
-  explicit PatientStream(Assimp::IOStream* inner) : inner_(inner), left_(10'000 + 4 * inner->FileSize()) {}
-  std::size_t Read(void* to, std::size_t size, std::size_t count) override {
-    return wait(), inner_->Read(to, size, count);
-  }
-  std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
-  aiReturn Seek(std::size_t offset, aiOrigin origin) override { return wait(), inner_->Seek(offset, origin); }
-  std::size_t Tell() const override { return inner_->Tell(); }
-  std::size_t FileSize() const override { return inner_->FileSize(); }
-  void Flush() override {}
-
- private:
-  void wait() {
-    // assimp turns the exception into its error text; each byte could have been read four times over
-    if (left_-- == 0) throw std::runtime_error("the file is damaged: reading it does not come to an end");
-  }
-  std::unique_ptr<Assimp::IOStream> inner_;
-  std::size_t left_;
-};
-
-class PatientFiles : public Assimp::DefaultIOSystem {
- public:
-  Assimp::IOStream* Open(const char* file, const char* mode) override {
-    Assimp::IOStream* inner = DefaultIOSystem::Open(file, mode);
-    return inner ? new PatientStream(inner) : nullptr;
-  }
-  void Close(Assimp::IOStream* stream) override { delete stream; }
-};
-
-}  // namespace
 
 Result<TriangleMesh> read_mesh(const std::string& file, const Vec3& scale) {
   if (!scale.allFinite() || scale.cwiseAbs().minCoeff() <= 0) {
     return Error{fmt::format("scale of mesh '{}' is ({}, {}, {})", file, scale.x(), scale.y(), scale.z()),
                  "give finite factors other than 0", "", kBadInput};
   }
-  Assimp::Importer importer;
-  importer.SetIOHandler(new PatientFiles);  // the importer owns it
-  // Only positions matter: other attributes would split vertices along seams and open the surface.
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene =
-      importer.ReadFile(file, aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType);
-  if (!scene || scene->mNumMeshes == 0) {
-    const std::string reason = importer.GetErrorString();
-    return Error{fmt::format("cannot read mesh '{}': {}", file, reason.empty() ? "no triangles in it" : reason),
-                 "check the path and that the file is OBJ, STL or PLY with a closed surface", "", kBadInput};
+  auto read = read_triangles(file);
+  if (!read) return read.error();
+  TriangleMesh mesh = *std::move(read);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    mesh.vertices[v] = mesh.vertices[v].cwiseProduct(scale);
+    if (!mesh.vertices[v].allFinite())
+      return Error{fmt::format("vertex {} of mesh '{}' is not finite", v, file), "repair the mesh", "", kBadInput};
   }
-  TriangleMesh mesh;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D& p = part.mVertices[v];
-      mesh.vertices.push_back(Vec3(p.x, p.y, p.z).cwiseProduct(scale));
-      if (!mesh.vertices.back().allFinite()) {
-        return Error{fmt::format("vertex {} of mesh '{}' is not finite", v, file), "repair the mesh", "", kBadInput};
-      }
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      mesh.triangles.push_back({base + face.mIndices[0], base + face.mIndices[1], base + face.mIndices[2]});
-      if (scale.prod() < 0) std::swap(mesh.triangles.back()[1], mesh.triangles.back()[2]);  // mirrored
-    }
-  }
+  if (scale.prod() < 0)
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);  // mirrored
   mesh = weld(mesh);
   const auto name_file = [&](Error error) {
     return error.what = fmt::format("mesh '{}': {}", file, error.what), error;

@@ -34,6 +34,11 @@ class Checker {
     for (const Joint& joint : scene_.joints) check_joint(joint);
     if (scene_.world.dimension == 2) check_plane();
     check_reduced_gravity();
+    if (scene_.numerics.pressure == Pressure::kImplicit && scene_.coupling.scheme == "staggered")
+      fail(root_, {"coupling", "scheme"},
+           "the implicit solver moves bodies with their mobility: it knows no staggered scheme",
+           "Use interlinked or iterated, or numerics.pressure: wcsph.");
+    check_attraction();
   }
 
  private:
@@ -53,6 +58,22 @@ class Checker {
            fmt::format("a {} named '{}' exists already, at {}", kind, item.name, where(it->second->place)),
            "Give each one a name of its own.");
     }
+  }
+
+  /// The field acts in the explicit step only, and on no body: what it cannot do is refused, not left out.
+  void check_attraction() {
+    if (scene_.world.attraction_rate == 0) {
+      if (!scene_.world.attraction_centre.isZero(0))
+        fail(root_, {"world", "attraction", "centre"}, "a centre of attraction without a rate attracts nothing",
+             "Add world.attraction.rate, in 1/s written as Hz.");
+      return;
+    }
+    if (scene_.numerics.pressure == Pressure::kImplicit)
+      fail(root_, {"world", "attraction"}, "the implicit solver knows no attraction",
+           "Set numerics.pressure: wcsph, or remove world.attraction.");
+    for (const Model& model : scene_.models)
+      fail(model.place, {}, fmt::format("the attraction of the fluid would not act on the model '{}'", model.name),
+           "Remove world.attraction or the models.");
   }
 
   void check_reduced_gravity() {

@@ -85,6 +85,15 @@ class Checker {
     if (probe.kind == ProbeKind::kForce) known(probe.target, models_, "model", probe.place, {"force_on"});
     if (probe.kind == ProbeKind::kPose) known(probe.target, models_, "model", probe.place, {"pose_of"});
     if (probe.kind == ProbeKind::kPressureError) known(probe.target, fluids_, "fluid", probe.place, {"pressure_error"});
+    if (!probe.frame.empty()) {
+      known(probe.frame, models_, "model", probe.place, {"moves_with"});
+      for (const Model& model : scene_.models)
+        if (model.name == probe.frame && model.motion == Motion::kDynamic)
+          state_.fail(
+              state_.find(probe.place, {"moves_with"}),
+              fmt::format("the model '{}' moves freely: a place in it would not be one in its frame", model.name),
+              "Name a static or prescribed model.");
+    }
     const bool needs_fluid = probe.kind != ProbeKind::kPose && probe.kind != ProbeKind::kPressureError;
     if (needs_fluid && scene_.fluids.empty()) {
       state_.fail(probe.place, fmt::format("the probe '{}' measures a fluid, but the scene has none", probe.name),

@@ -54,9 +54,9 @@ struct Ground {
 struct Axes {
   std::array<bool, 3>& on;
 };  // [x, z]
-struct Zero {
-  std::optional<double>& count;
-};                  // the number 0, the only one that is allowed
+struct MostLost {
+  std::optional<double>&count, &share;
+};                  // the number 0, or a share such as "5 %"
 struct Tolerance {  // "0.1 m" or "4 %"
   std::optional<double>&absolute, &relative;
 };
@@ -89,7 +89,7 @@ inline WordTable<Pressure> words_of(Pressure) { return kPressureWords; }
 inline WordTable<KernelKind> words_of(KernelKind) { return kKernelWords; }
 
 inline constexpr std::string_view kEngineWords[] = {"ode", "free_body"};
-inline constexpr std::string_view kSchemeWords[] = {"auto", "interlinked", "staggered"};
+inline constexpr std::string_view kSchemeWords[] = {"auto", "interlinked", "iterated", "staggered"};
 inline constexpr std::string_view kStatisticWords[] = {"last",    "mean", "min",    "max",
                                                        "max_abs", "rms",  "change", "slope"};
 

@@ -46,6 +46,15 @@ void visit(V& v, World& w) {
   v({"domain", kNone, "where particles may be; by default around everything in the scene"}, w.domain);
   v({"allow_overlap", kNone, "let bodies overlap at the start"}, w.allow_overlap);
   v({"seed", kNone, "of every random draw in the run"}, w.seed);
+  v.group({"sleep", kNone, "stop computing where everything has come to rest, until something disturbs it"},
+          [&](auto& x) {
+            x({"speed", kSpeed, "slower than that is at rest; 0: never sleep", kNotNegative}, w.sleep_speed);
+            x({"after", kTime, "at rest before it sleeps", kPositive}, w.sleep_after);
+          });
+  v.group({"attraction", kNone, "of the fluid towards a point, acceleration rate^2 times the distance"}, [&](auto& a) {
+    a({"rate", kFrequency, "in 1/s, written as Hz; 0: none", kNotNegative}, w.attraction_rate);
+    a({"centre", kLength, "the point"}, w.attraction_centre);
+  });
 }
 
 template <class V>
@@ -87,6 +96,8 @@ void visit(V& v, Fluid& f) {
     w({"speed", kSpeed, "largest"}, f.vortex_speed);
     w({"wavelength", kLength, "after which they repeat", kPositive}, f.vortex_wavelength);
   });
+  v({"strain", kFrequency, "at the start, stretching along x, shrinking along z about the centre of the fill"},
+    f.strain);
   v({"fill", kNone, "where it is at the start; solids inside are carved out", kAnyNumber, kRequired}, f.fill);
 }
 
@@ -223,6 +234,11 @@ template <class V>
 void visit(V& v, Coupling& c) {
   v({"engine", kNone, "rigid-body engine", kAnyNumber, false, kEngineWords}, c.engine);
   v({"scheme", kNone, "how the two processes share a step", kAnyNumber, false, kSchemeWords}, c.scheme);
+  v.when(c.scheme == "iterated", "the iterated scheme (coupling.scheme)", [&](auto& w) {
+    w({"tolerance", kNone, "relative interface residual that a step may leave; 0: the accuracy class's", kNotNegative},
+      c.tolerance);
+    w({"most_iterations", kNone, "exchanges in a step at most", {1, 1000}}, c.most_iterations);
+  });
   v({"substeps", kNone, "engine steps per exchange", {1, 100000}}, c.substeps);
   v({"rigid_step", kTime, "step of the engine where no fluid sets it", kPositive}, c.rigid_step);
   v({"contact_sets", kNone, "send where each body touches the fluid beside its wrench"}, c.contact_sets);
@@ -233,11 +249,16 @@ void visit(V& v, Numerics& n) {
   v({"pressure", kNone, "solver"}, n.pressure);
   v({"kernel", kNone, ""}, n.kernel);
   v({"sound_speed", kSpeed, "0: ten times the largest speed expected", kNotNegative}, n.sound_speed);
-  v({"courant", kNone, "number of the acoustic step; 0: the solver's own", kNotNegative}, n.courant);
-  v({"diffusion", kNone, "delta-SPH density diffusion (Molteni and Colagrossi 2009)", kNotNegative}, n.diffusion);
-  v({"artificial_viscosity", kNone, "alpha of the explicit solver (Monaghan 1992), between particles only",
+  v.when(n.pressure != Pressure::kImplicit, "the explicit solver (numerics.pressure: wcsph)", [&](auto& w) {
+    w({"courant", kNone, "number of the acoustic step; 0: the accuracy class's", kNotNegative}, n.courant);
+    w({"diffusion", kNone, "delta-SPH density diffusion (Molteni and Colagrossi 2009)", kNotNegative}, n.diffusion);
+  });
+  v({"artificial_viscosity", kNone, "alpha (Monaghan 1992), times the sound speed; between particles only",
      kNotNegative},
     n.artificial_viscosity);
+  v({"energy_bound", kNone, "energy gained by the fluid over that at play, beyond which a run has diverged",
+     Range{0, 1, true}},
+    n.energy_bound);
   v({"relax", kNone, "relax the particles at the start"}, n.relax);
   v({"reduced_gravity", kNone,
      "leave out the hydrostatic pressure: bodies get their buoyancy by Archimedes; for closed containers full of "
@@ -250,7 +271,8 @@ void visit(V& v, Probe& p) {
   using enum ProbeKind;
   auto form = std::tie(p.kind);
   v({"name", kNone, "column in probes.csv", kAnyNumber, kRequired}, Name{p.name});
-  v.option({"level_at", kLength, "height of the surface above [x, y]"}, form, std::tuple{kLevel}, Ground{p.at});
+  v.option({"level_at", kLength, "height of the surface above [x, y]; where it is dry, the bottom of the domain"}, form,
+           std::tuple{kLevel}, Ground{p.at});
   v.option({"pressure_at", kLength, "pressure at [x, y, z]"}, form, std::tuple{kPressure}, p.at);
   v.option({"velocity_at", kLength, "velocity of the fluid at [x, y, z]"}, form, std::tuple{kVelocity}, p.at);
   v.option({"force_on", kNone, "force and torque of the fluid on a model"}, form, std::tuple{kForce}, Name{p.target});
@@ -258,6 +280,9 @@ void visit(V& v, Probe& p) {
   v.option({"pressure_error", kNone, "of a fluid at rest against rho g depth"}, form, std::tuple{kPressureError},
            Name{p.target});
   v.needs_option("what is measured");
+  v.when(p.kind == kLevel || p.kind == kPressure || p.kind == kVelocity, "probes at a place", [&](auto& w) {
+    w({"moves_with", kNone, "static or prescribed model in whose frame the place is given"}, Name{p.frame});
+  });
 }
 
 template <class V>
@@ -302,7 +327,8 @@ void visit(V& v, Expect& e) {
   using enum ExpectKind;
   auto form = std::tie(e.kind);
   auto models = [&](auto& w, auto key) { w({key, kNone, "name or pattern with *", kAnyNumber, kRequired}, e.models); };
-  v.option({"lost_particles", kNone, "no particle is lost"}, form, std::tuple{kLostParticles}, Zero{e.equals});
+  v.option({"lost_particles", kNone, "at most, at the end: 0, or a share of all such as 5 %", kFraction}, form,
+           std::tuple{kLostParticles}, MostLost{e.equals, e.within_relative});
   v.option_group({"moved", kNone, "models are elsewhere at the end"}, form, std::tuple{kMoved}, [&](auto& w) {
     models(w, "models");
     w({"at_least", kNone, "how many", {1, 1e9}, kRequired}, e.at_least);

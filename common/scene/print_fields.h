@@ -70,7 +70,7 @@ class Printer {
   static Tree tree_of(const Axis& x) { return tree_of(x.vector); }
   static Tree tree_of(const Factors& x) { return tree_of(x.vector); }
   static Tree tree_of(const Ground& x) { return list({x.point.x(), x.point.y()}); }
-  static Tree tree_of(const Zero&) { return 0; }
+  static Tree tree_of(const MostLost& x) { return x.share ? tree_of(Tolerance{x.count, x.share}) : Tree(0); }
   static Tree tree_of(const Axes& x);
   static Tree tree_of(const Tolerance& x);
   static Tree tree_of(Pose& pose) {

@@ -57,7 +57,7 @@ Tree Printer::tree_of(const Axes& x) {
 
 Tree Printer::tree_of(const Tolerance& x) {
   if (!x.relative) return tree_of(x.absolute);
-  for (int digits = 1; digits <= 17; ++digits) {  // the shortest percentage that reads back to the same bits
+  for (int digits = 3; digits <= 17; ++digits) {  // the shortest percentage that reads back to the same bits
     const std::string text = fmt::format("{:.{}g} %", *x.relative * 100, digits);
     const auto measure = parse_measure(text, kNone, 0);
     if (measure && measure->value == *x.relative) return text;

@@ -288,15 +288,21 @@ void read_value(ReadState& state, const Field& field, const Node& node, Axes out
   }
 }
 
-void read_value(ReadState& state, const Field& field, const Node& node, Zero out) {
+// A number of particles other than 0 would depend on world.spacing.
+void read_value(ReadState& state, const Field& share, const Node& node, MostLost out) {
+  const bool percent = node.kind == Node::Kind::kText && node.text.find('%') != std::string::npos;
+  Field field = share;
+  if (!percent) field.range = kAnyNumber;
   const auto number = read_number(state, field, node, field.quantity);
   if (!number) return;
-  if (*number != 0) {
-    return state.fail(node.place,
-                      fmt::format("{} is {}, but losing particles is never expected", field.name, node.text),
-                      fmt::format("Write {}: 0.", field.name));
+  if (*number != 0 && !percent) {
+    return state.fail(node.place, fmt::format("{} is {}, which is neither 0 nor a share", field.name, node.text),
+                      fmt::format("Write {0}: 0, or {0}: 5 % where fluid is meant to leave.", field.name));
   }
-  out.count = 0;
+  if (percent)
+    out.share = *number;
+  else
+    out.count = 0;
 }
 
 void read_value(ReadState& state, const Field& field, const Node& node, Tolerance out) {

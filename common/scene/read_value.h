@@ -38,7 +38,7 @@ void read_value(ReadState&, const Field&, const Node&, Axis);
 void read_value(ReadState&, const Field&, const Node&, Factors);
 void read_value(ReadState&, const Field&, const Node&, Ground);
 void read_value(ReadState&, const Field&, const Node&, Axes);
-void read_value(ReadState&, const Field&, const Node&, Zero);
+void read_value(ReadState&, const Field&, const Node&, MostLost);
 void read_value(ReadState&, const Field&, const Node&, Tolerance);
 
 /// [x, y, z] or [x, y, z, roll, pitch, yaw].

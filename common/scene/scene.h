@@ -43,6 +43,11 @@ struct World {
   std::optional<Box3> domain;      ///< where particles may be; default: around everything in the scene
   bool allow_overlap = false;      ///< let bodies overlap at the start
   std::uint64_t seed = 1;          ///< of every random draw in the run
+  double sleep_speed = 0;          ///< m/s: slower than that is at rest; 0: a run never sleeps
+  double sleep_after = 0.5;        ///< s at rest before steps are slept through
+  /// A field of force on the fluid: acceleration -rate^2 (x - centre), in dimension 2 within the plane.
+  double attraction_rate = 0;  ///< 1/s
+  Vec3 attraction_centre = Vec3::Zero();
 };
 
 enum class FillKind { kBox, kMesh, kLevel };
@@ -71,6 +76,7 @@ struct Fluid {
   /// [x, y, z] in the world, k = 2 pi / wavelength.
   double vortex_speed = 0;       ///< m/s
   double vortex_wavelength = 1;  ///< m
+  double strain = 0;             ///< 1/s: v += strain [x, 0, -z] about the centre of the fill at the start, no rotation
   Fill fill;
   Place place;
 };
@@ -152,7 +158,9 @@ struct Joint {
 
 struct Coupling {
   std::string engine = "ode";   ///< ode, free_body
-  std::string scheme = "auto";  ///< auto, interlinked, staggered
+  std::string scheme = "auto";  ///< auto, interlinked, iterated, staggered
+  double tolerance = 0;         ///< iterated: relative interface residual a step may leave; 0: the accuracy class's
+  int most_iterations = 20;     ///< iterated: exchanges in a step
   int substeps = 1;             ///< engine steps per exchange
   double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
   bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench
@@ -165,9 +173,10 @@ struct Numerics {
   Pressure pressure = Pressure::kAuto;
   KernelKind kernel = KernelKind::kAuto;
   double sound_speed = 0;              ///< m/s; 0: ten times the largest speed expected
-  double courant = 0;                  ///< of the acoustic step; 0: the solver's own
+  double courant = 0;                  ///< of the acoustic step; 0: the accuracy class's
   double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
-  double artificial_viscosity = 0.02;  ///< alpha of the explicit solver (Monaghan 1992), between particles only
+  double artificial_viscosity = 0.02;  ///< alpha (Monaghan 1992), between particles only
+  double energy_bound = 0.1;           ///< energy gained over the energy at play: beyond it a run has diverged
   bool relax = true;                   ///< relax the particles at the start
   /// The hydrostatic part of the pressure is left out: the fluid feels no gravity, every body the buoyancy of
   /// Archimedes instead. The same motion where the fluid fills a closed container; wrong where it has a surface.
@@ -177,15 +186,16 @@ struct Numerics {
 enum class ProbeKind { kLevel, kPressure, kVelocity, kForce, kPose, kPressureError };
 
 /// Something measured at every output time. Columns in probes.csv:
-/// kLevel "name" (m); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s); kForce "name.fx/fy/fz/tx/ty/tz" (N, N m,
-/// of the fluid on the model, torque about its centre of mass, or about its frame's origin if it is static); kPose
-/// "name.x/y/z/qw/qx/qy/qz"; kPressureError "name": L2 over the fluid's particles of p - rho g (level - z), over rho g
-/// depth.
+/// kLevel "name" (m; the bottom of the domain where it is dry); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s);
+/// kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque about its centre of mass, or about its
+/// frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz"; kPressureError "name": L2 over the fluid's
+/// particles of p - rho g (level - z), over rho g depth.
 struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLevel;
   Vec3 at = Vec3::Zero();  ///< kLevel (x, y), kPressure and kVelocity (x, y, z), m
   std::string target;      ///< kForce, kPose: model; kPressureError: fluid
+  std::string frame;       ///< model in whose frame `at` is given, static or prescribed; empty: the world's
   Place place;
 };
 

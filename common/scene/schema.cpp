@@ -118,7 +118,9 @@ class Schema {
   Tree describe(const Field& field, const Factors&) { return {{"anyOf", {number(field), list(number(field), 3)}}}; }
   Tree describe(const Field& field, const Ground&) { return list(number(field), 2); }
   Tree describe(const Field&, const Axes&) { return {{"type", "array"}, {"items", words({"x", "y", "z"})}}; }
-  Tree describe(const Field&, const Zero&) { return {{"const", 0}}; }
+  Tree describe(const Field&, const MostLost&) {
+    return {{"anyOf", {{{"const", 0}}, {{"type", "string"}, {"pattern", "%$"}}}}};
+  }
   Tree describe(const Field& field, const Tolerance&) { return number(field); }
   Tree describe(const Field& field, Pose& pose) {
     const Field length{"", kLength, ""};

@@ -38,6 +38,7 @@ class Barrier {
 
   std::span<const Push> pushes() const { return pushes_; }
   const BarrierReport& report() const { return report_; }
+  void put_back(const BarrierReport& report) { report_ = report; }
   template <class A>
   void state(A& a) {
     a("report", report_);

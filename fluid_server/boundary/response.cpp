@@ -43,6 +43,20 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
   apply(items, states);
 }
 
+void Response::place_normals(const Neighbourhood& items, std::span<const exchange::BodyState> states,
+                             ItemExtras& extras) const {
+  std::vector<Eigen::Matrix3f> rotation;
+  for (const exchange::BodyState& state : states)
+    rotation.push_back(rotation_of(state).toRotationMatrix().cast<float>());
+  extras.normal.resize(items.size());
+#pragma omp parallel for num_threads(threads_) schedule(static)
+  for (std::size_t s = 0; s < items.sample_item.size(); ++s) {
+    const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
+    const Eigen::Vector3f n = rotation[samples_.body[sample]] * samples_.normal[sample];
+    extras.normal[item] = {n[0], n[1], n[2], 0.f};
+  }
+}
+
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);

@@ -41,6 +41,9 @@ class Response {
   void solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
              const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme, Films films);
 
+  /// Normals of the samples near fluid, into extras.normal.
+  void place_normals(const Neighbourhood& items, std::span<const exchange::BodyState> states, ItemExtras& extras) const;
+
   /// Of the films; the samples' comes with the constants.
   void set_gravity(const Vec3& gravity) {
     if (films_) films_->set_gravity(gravity);
@@ -54,6 +57,8 @@ class Response {
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
   /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
   void gather_contacts(std::span<const exchange::BodyState> states);
+
+  Seepage* films() const { return films_.get(); }  ///< null where no body can move freely
 
   /// What the next step takes from the last one: films without which a solve begins, wrenches for probes.
   template <class A>

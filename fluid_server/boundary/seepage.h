@@ -40,6 +40,8 @@ class Seepage {
              double dt);
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
+  /// Back to the wrenches of an earlier moment.
+  void put_back(std::span<const exchange::Wrench> wrenches) { wrenches_.assign(wrenches.begin(), wrenches.end()); }
   template <class A>
   void state(A& a) {
     a("wrenches", wrenches_);

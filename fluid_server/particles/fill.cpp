@@ -248,7 +248,8 @@ Record make_record(const Vec3& site, const Fluid& fluid, const Vec3& centre, dou
   const double kx = 2 * std::numbers::pi / fluid.vortex_wavelength * site[0];
   const double kz = 2 * std::numbers::pi / fluid.vortex_wavelength * site[2];
   const Vec3 vortices(-std::cos(kx) * std::sin(kz), 0, std::sin(kx) * std::cos(kz));
-  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site - centre) + fluid.vortex_speed * vortices;
+  const Vec3 v = fluid.velocity + fluid.angular_velocity.cross(site - centre) + fluid.vortex_speed * vortices +
+                 fluid.strain * Vec3(site[0] - centre[0], 0, centre[2] - site[2]);
   const double depth = std::max(top - site[2], 0.0);
   const double p = scene.numerics.reduced_gravity ? 0 : -fluid.density * scene.world.gravity[2] * depth;
   return {at[0],

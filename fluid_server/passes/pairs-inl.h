@@ -58,7 +58,6 @@ class Pairs {
     SampleSums s{};
     if (items_.lists.count[item] == 0) return s;
     const F d;
-    const Record& own = items_.record[item];
     const VF zero = hn::Zero(d);
     VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
        pz = zero, wvx = zero, wvy = zero, wvz = zero, wmu = zero, a = zero, ax = zero, ay = zero, az = zero;
@@ -75,7 +74,7 @@ class Pairs {
       wrz = hn::MulAdd(vwr, r.z, wrz);
       gx = hn::MulAdd(vg, r.x, gx);
       gz = hn::MulAdd(vg, r.z, gz);
-      const VF pvg = hn::Mul(hn::Add(r.p, dissipation(own, r, motion, rho)), vg);
+      const VF pvg = hn::Mul(hn::Add(r.p, dissipation(item, r, motion, rho, index)), vg);
       px = hn::MulAdd(pvg, r.x, px);
       pz = hn::MulAdd(pvg, r.z, pz);
       if constexpr (Dim == 3) {
@@ -120,7 +119,7 @@ class Pairs {
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       const VF pair_rho = constants_.several_densities ? pair_density(rho_i, motion, index) : rho_i;
-      const VF s = hn::Mul(vg, hn::Add(hn::Add(pi, r.p), dissipation(own, r, motion, pair_rho)));
+      const VF s = hn::Mul(vg, hn::Add(hn::Add(pi, r.p), dissipation(item, r, motion, pair_rho, index)));
       ax = hn::NegMulAdd(s, r.x, ax);
       az = hn::NegMulAdd(s, r.z, az);
       if constexpr (Dim == 3) ay = hn::NegMulAdd(s, r.y, ay);
@@ -291,19 +290,37 @@ class Pairs {
   }
 
   /// q = rho (alpha c u + u^2), u the speed of approach: zero for pairs that part. The linear part between particles
-  /// only: on the samples it would drag at bodies in a flow without friction (measured: README.md).
-  HWY_INLINE VF dissipation(const Record& own, const Pair& r, const Quad& motion, VF rho) const {
+  /// only, and with a sample u is at most the speed against its surface: along walls and bodies both would drag at a
+  /// flow without friction (measured: README.md).
+  HWY_INLINE VF dissipation(std::uint32_t item, const Pair& r, const Quad& motion, VF rho,
+                            const std::uint32_t* index) const {
     const F d;
-    VF dot =
-        hn::MulAdd(hn::Sub(hn::Set(d, own.vx), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.vz), motion.c), r.z));
-    if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.vy), motion.b), r.y, dot);
+    const Record& own = items_.record[item];
+    const VF zero = hn::Zero(d);
+    const VF vx = hn::Sub(hn::Set(d, own.vx), motion.a), vy = hn::Sub(hn::Set(d, own.vy), motion.b);
+    const VF vz = hn::Sub(hn::Set(d, own.vz), motion.c);
+    VF dot = hn::MulAdd(vx, r.x, hn::Mul(vz, r.z));
+    if constexpr (Dim == 3) dot = hn::MulAdd(vy, r.y, dot);
     const VF length = hn::Sqrt(hn::Max(r.r2, hn::Set(d, 1e-30f)));
-    const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), hn::Zero(d));
-    const float alpha_c = own.volume > 0 ? constants_.artificial_viscosity * constants_.sound_speed : 0.f;
-    const VF linear = hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), hn::Set(d, alpha_c));
+    const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), zero);
+    if (own.volume < 0) {
+      if (!constants_.ram_on_samples) return zero;
+      const NormalRecord& n = extras_.normal[item];
+      VF against = hn::MulAdd(vx, hn::Set(d, n.x), hn::Mul(vz, hn::Set(d, n.z)));
+      if constexpr (Dim == 3) against = hn::MulAdd(vy, hn::Set(d, n.y), against);
+      const VF ram = hn::Max(hn::Min(u, against), zero);
+      return hn::Mul(rho, hn::Mul(ram, ram));
+    }
+    const auto sample = hn::Lt(motion.d, zero);
+    const VF linear = hn::Set(d, constants_.artificial_viscosity * constants_.sound_speed);
     const VF q = hn::Mul(hn::Mul(rho, u), hn::Add(linear, u));
-    if (constants_.ram_on_samples) return q;
-    return own.volume > 0 ? hn::IfThenElseZero(hn::Gt(motion.d, hn::Zero(d)), q) : hn::Zero(d);
+    if (hn::AllFalse(d, sample)) return q;
+    if (!constants_.ram_on_samples) return hn::IfThenZeroElse(sample, q);
+    const Quad n = load_transposed(d, &extras_.normal[0].x, index, 4);
+    VF against = hn::MulAdd(vx, n.a, hn::Mul(vz, n.c));
+    if constexpr (Dim == 3) against = hn::MulAdd(vy, n.b, against);
+    const VF ram = hn::Max(hn::Min(u, hn::Neg(against)), zero);
+    return hn::IfThenElse(sample, hn::Mul(rho, hn::Mul(ram, ram)), q);
   }
 
   float density(std::uint32_t item) const {

@@ -18,7 +18,7 @@ struct PassConstants {
   float artificial_viscosity = 0;  ///< alpha of Monaghan (1992), no unit
   float gravity[3] = {0, 0, 0};    ///< m/s^2
   float dt = 0;                    ///< s
-  bool ram_on_samples = true;      ///< the ram pressure of encounters acts between particles and samples too
+  bool ram_on_samples = false;     ///< the ram pressure of encounters acts between particles and samples too
   bool viscous = false;            ///< some fluid has viscosity: `wall` is filled
   bool several_densities = false;  ///< `density` is filled per item; else density[0] holds for all
   int threads = 1;
@@ -30,8 +30,14 @@ struct ViscousRecord {
   float wx, wy, wz, mu;
 };
 
+/// Outward unit normal of a sample's surface, in the world.
+struct NormalRecord {
+  float x, y, z, unused;
+};
+
 /// Fields beside the records that some scenes need.
 struct ItemExtras {
+  std::vector<NormalRecord> normal;    ///< per item, set for samples, if PassConstants::ram_on_samples
   std::vector<ViscousRecord> viscous;  ///< per item if PassConstants::viscous
   std::vector<float> density;          ///< rest density per item (samples: any), or one value
 };

@@ -57,6 +57,13 @@ std::size_t index_of(const Scene& scene, const std::string& model) {
   return 0;  // the scene reader has checked the name
 }
 
+/// Where the probe is now in the world, m.
+Vec3 place_of(const Scene& scene, const Probe& probe, std::span<const exchange::BodyState> states) {
+  if (probe.frame.empty()) return probe.at;
+  const exchange::BodyState& frame = states[index_of(scene, probe.frame)];
+  return Vec3::Map(frame.position) + rotation_of(frame) * probe.at;
+}
+
 }  // namespace
 
 double surface_level(const WcsphFluid& fluid, double x, double y) {
@@ -114,15 +121,16 @@ std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
   std::vector<double> row;
   for (const Probe& probe : scene.probes) {
     const std::size_t target = index_of(scene, probe.target);
+    const Vec3 at = place_of(scene, probe, states);
     switch (probe.kind) {
       case ProbeKind::kLevel:
-        row.push_back(surface_level(fluid, probe.at[0], probe.at[1]));
+        row.push_back(surface_level(fluid, at[0], at[1]));
         break;
       case ProbeKind::kPressure:
-        row.push_back(pressure_at(fluid, probe.at));
+        row.push_back(pressure_at(fluid, at));
         break;
       case ProbeKind::kVelocity: {
-        const Vec3 v = velocity_at(fluid, probe.at);
+        const Vec3 v = velocity_at(fluid, at);
         row.insert(row.end(), v.begin(), v.end());
         break;
       }

@@ -43,6 +43,7 @@ QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states)
   prepare_extras();
   PassConstants frozen = constants_;
   frozen.viscous = false;
+  frozen.ram_on_samples = false;
   frozen.diffusion = 0;
   build_lists(*items_, frozen);
   const double tau = kCourant * frozen.kernel.h() / frozen.sound_speed;

@@ -27,6 +27,7 @@ enum class Limit : std::uint32_t {
   kRetry,
   kSpeed,
   kGravity,
+  kAsleep,
   kCount
 };
 inline constexpr auto& kLimitNames = exchange::kStepLimits;

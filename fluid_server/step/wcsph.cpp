@@ -36,18 +36,19 @@ bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
 void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   constants_.dt = static_cast<float>(dt);
   facts_before_ = facts_;
-  lost_before_ = lost_;
+  lost_before_ = lost_, energy_lost_before_ = energy_lost_;
   std::swap(particles_, before_);
   {
     const Stopwatch watch(times_.sort);
     samples_->place(states, coordinates_, constants_.threads);
     items_->rebuild(before_, particles_, samples_->moving(), samples_->first_moving);
+    idle_.samples += samples_->size() - items_->sample_item.size(), ++idle_.steps;
     prepare_extras();
   }
+  remember();
   if (implicit_) {
     const Stopwatch watch(times_.pressure);
     build_lists(*items_, constants_);
-    implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, implicit_options_);
   } else {
     const Stopwatch watch(times_.pressure);
     build_lists_and_advance_pressure(*items_, extras_, constants_, pressure_);
@@ -55,15 +56,48 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     for (std::size_t f = 0; f < particles_.size(); ++f)
       particles_.record[f].p = items_->record[items_->fluid_item[f]].p = pressure_[f];
   }
+  if (constants_.ram_on_samples) {
+    const Stopwatch watch(times_.boundary);
+    response_->place_normals(*items_, states, extras_);
+  }
+  respond(states);
+  const Stopwatch watch(times_.boundary);
+  constexpr double kMayMatter = 0.01;  // of the fluid's own bound: bodies far lighter than a spacing of fluid are rare
+  if (constants_.viscous && dt > kMayMatter * viscous_step(constants_.kernel.h(), kinematic_viscosity_))
+    facts_.drag_rate = response_->drag_rate(*items_, sums_, states);
+}
+
+void WcsphFluid::again(std::span<const exchange::BodyState> states) {
+  put_back();
+  if (implicit_) particles_.compression = compression_before_;
+  respond(states);
+}
+
+/// What a step changes beside particles and facts.
+void WcsphFluid::remember() {
+  if (const Seepage* films = response_->films())
+    films_before_.assign(films->wrenches().begin(), films->wrenches().end());
+  barrier_before_ = barrier_->report();
+  if (repeats_ && implicit_) compression_before_ = particles_.compression;
+}
+
+void WcsphFluid::put_back() {
+  if (Seepage* films = response_->films()) films->put_back(films_before_);
+  barrier_->put_back(barrier_before_);
+}
+
+/// Pressure as far as it hangs on the bodies' accelerations, and the wrenches.
+void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
+  if (implicit_) {
+    const Stopwatch watch(times_.pressure);
+    implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, implicit_options_);
+  }
   const Stopwatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
   if (implicit_) implicit_->scale(sums_);
   response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_, Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
   response_->gather_contacts(states);
-  constexpr double kMayMatter = 0.01;  // of the fluid's own bound: bodies far lighter than a spacing of fluid are rare
-  if (constants_.viscous && dt > kMayMatter * viscous_step(constants_.kernel.h(), kinematic_viscosity_))
-    facts_.drag_rate = response_->drag_rate(*items_, sums_, states);
 }
 
 void WcsphFluid::prepare_extras() {
@@ -88,6 +122,7 @@ void WcsphFluid::move() {
     accelerate(*items_, extras_, constants_, acceleration_);
     for (const Barrier::Push& push : barrier_->pushes())
       Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
+    if (attraction_rate_ > 0) attract();
     const double dt = constants_.dt;
     double speed2 = 0, acceleration2 = 0, check = 0;
     std::uint64_t left = 0;
@@ -124,6 +159,20 @@ void WcsphFluid::move() {
   }
 }
 
+void WcsphFluid::attract() {
+#pragma omp parallel for num_threads(constants_.threads) schedule(static)
+  for (std::size_t f = 0; f < particles_.size(); ++f)
+    for (int k = 0; k < 3; ++k)
+      acceleration_[3 * f + static_cast<std::size_t>(k)] -=
+          static_cast<float>(attraction_rate_ * attraction_rate_ * from_centre(particles_.record[f])[k]);
+}
+
+Vec3 WcsphFluid::from_centre(const Record& r) const {
+  Vec3 x = coordinates_.to_metres(r.x, r.y, r.z) - attraction_centre_;
+  if (constants_.kernel.dimension == 2) x[1] = 0;
+  return x;
+}
+
 void WcsphFluid::set_gravity(const Vec3& gravity) {
   for (int k = 0; k < 3; ++k) constants_.gravity[k] = static_cast<float>(gravity[k]);
   response_->set_gravity(gravity);
@@ -132,7 +181,25 @@ void WcsphFluid::set_gravity(const Vec3& gravity) {
 void WcsphFluid::roll_back() {
   std::swap(particles_, before_);
   facts_ = facts_before_;
-  lost_ = lost_before_;
+  lost_ = lost_before_, energy_lost_ = energy_lost_before_;
+  put_back();
+}
+
+/// Kinetic and potential energy of a particle that has just left, at its last place in the domain, J.
+double WcsphFluid::energy_of_lost(std::size_t f) const {
+  Record r = particles_.record[f];
+  const auto back = [&](std::uint32_t& x, float v, double quantum) {
+    x -= static_cast<std::uint32_t>(std::llround(v * static_cast<double>(constants_.dt) / quantum));
+  };
+  back(r.x, r.vx, coordinates_.quantum[0]);
+  back(r.y, r.vy, coordinates_.quantum[1]);
+  back(r.z, r.vz, coordinates_.quantum[2]);
+  const FluidProperties& fluid = fluid_of(particles_.id[f]);
+  const double mass = static_cast<double>(fluid.density) * fluid.volume;
+  const Vec3 v(r.vx, r.vy, r.vz), gravity(constants_.gravity[0], constants_.gravity[1], constants_.gravity[2]);
+  double energy = mass * (0.5 * v.squaredNorm() - gravity.dot(coordinates_.to_metres(r.x, r.y, r.z)));
+  if (attraction_rate_ > 0) energy += 0.5 * mass * attraction_rate_ * attraction_rate_ * from_centre(r).squaredNorm();
+  return energy;
 }
 
 void WcsphFluid::remove_lost() {
@@ -141,6 +208,7 @@ void WcsphFluid::remove_lost() {
     const Record& r = particles_.record[f];
     if (r.volume == 0) {
       ++lost_;
+      energy_lost_ += energy_of_lost(f);
       lost_where_ = fmt::format("particle {} left the domain with velocity ({:.3g}, {:.3g}, {:.3g}) m/s",
                                 particles_.id[f], r.vx, r.vy, r.vz);
       continue;
@@ -173,6 +241,8 @@ Measures WcsphFluid::measure() const {
       m.mass += mass;
       m.kinetic += 0.5 * mass * v.squaredNorm();
       m.potential -= mass * gravity.dot(x);
+      if (attraction_rate_ > 0)
+        m.potential += 0.5 * mass * attraction_rate_ * attraction_rate_ * from_centre(r).squaredNorm();
       if (!implicit_) m.elastic += 0.5 * r.volume * static_cast<double>(r.p) * r.p / stiffness;
       m.momentum += mass * v;
       m.angular_momentum += mass * x.cross(v);

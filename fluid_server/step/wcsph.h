@@ -25,6 +25,11 @@ struct StageTimes {
   double sort = 0, pressure = 0, boundary = 0, motion = 0;
 };
 
+/// Boundary samples that no particle was near of, summed over the steps: they cost nothing but their place.
+struct IdleSamples {
+  std::uint64_t samples = 0, steps = 0;
+};
+
 /// How the search for the starting pressure went.
 struct QuietReport {
   int rounds = 0;     ///< 0: not done, something moves at the start
@@ -61,6 +66,9 @@ class WcsphFluid {
 
   /// First half of a step of length dt: everything up to the wrenches on the bodies in `states`.
   void begin(std::span<const exchange::BodyState> states, double dt);
+  /// The wrenches once more, for the same states with other free accelerations; between begin() and move(), and only
+  /// with the iterated scheme. Nothing has moved: neighbours, lists and what hangs on velocities are as they were.
+  void again(std::span<const exchange::BodyState> states);
   /// Second half: moves the particles. Afterwards limits() speaks of the new state.
   void move();
   /// Back to the state before begin(); wrenches are void.
@@ -78,9 +86,11 @@ class WcsphFluid {
   const Filled& filled() const { return filled_; }
   const RelaxReport& relax_report() const { return relax_report_; }
   const StageTimes& times() const { return times_; }
+  const IdleSamples& idle_samples() const { return idle_; }
   const FluidProperties& fluid_of(std::uint32_t id) const;
   double spacing() const { return spacing_; }
   std::uint64_t lost() const { return lost_; }
+  double energy_lost() const { return energy_lost_; }  ///< kinetic and potential, of those that left the domain, J
   const std::string& lost_where() const { return lost_where_; }
   std::uint64_t hash() const;  ///< of all particles, in order of id
   Scheme scheme() const { return scheme_; }
@@ -94,7 +104,7 @@ class WcsphFluid {
   void state(A& a) {
     a("particles", particles_);
     a("facts", facts_);
-    a("lost", lost_);
+    a("lost", lost_), a("energy_lost", energy_lost_);
     a("lost_where", lost_where_);
     a("relaxed", relax_report_);
     a("response", *response_);
@@ -108,8 +118,16 @@ class WcsphFluid {
  private:
   WcsphFluid() = default;
   void prepare_extras();
+  void remember();
+  void put_back();
+  void respond(std::span<const exchange::BodyState> states);
   void put_accelerations_for_velocities();
+  /// Adds the field of world.attraction to the accelerations.
+  void attract();
+  /// Way from the centre of that field to a particle, m.
+  Vec3 from_centre(const Record& r) const;
   void remove_lost();
+  double energy_of_lost(std::size_t f) const;
 
   Coordinates coordinates_;
   double spacing_ = 0;
@@ -123,15 +141,23 @@ class WcsphFluid {
   std::unique_ptr<Response> response_;
   std::unique_ptr<Barrier> barrier_;
   ItemExtras extras_;
+  double attraction_rate_ = 0;             // 1/s, of world.attraction
+  Vec3 attraction_centre_ = Vec3::Zero();  // m
   std::vector<float> pressure_, acceleration_;
   std::vector<SampleSums> sums_;
   std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
   ImplicitOptions implicit_options_;
   StepFacts facts_, facts_before_;
+  bool repeats_ = false;  // again() may be called
+  std::vector<float> compression_before_;
+  std::vector<exchange::Wrench> films_before_;
+  BarrierReport barrier_before_;
   double kinematic_viscosity_ = 0;  // largest, m^2/s
   std::function<void()> sign_of_life_;
   StageTimes times_;
+  IdleSamples idle_;
   std::uint64_t lost_ = 0, lost_before_ = 0;
+  double energy_lost_ = 0, energy_lost_before_ = 0;
   std::string lost_where_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid_server/step/accuracy.h"
 #include "fluid_server/step/wcsph.h"
 
 namespace ballast::fluid {
@@ -76,19 +77,10 @@ double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, c
   return 10 * speed;
 }
 
-namespace {
-
-/// Of sqrt(d / |G|): how long an implicit step may be.
-double gravity_share(Accuracy accuracy) {
-  return accuracy == Accuracy::kInteractive ? 0.2 : accuracy == Accuracy::kBalanced ? 0.1 : 0.05;
-}
-
-}  // namespace
-
 double gravity_step(const Scene& scene) {
   const double gravity = scene.world.gravity.norm();
   if (gravity == 0) return 1e300;
-  return gravity_share(scene.world.accuracy) * std::sqrt(scene.world.spacing / gravity);
+  return settings_of(scene.world.accuracy).gravity_share * std::sqrt(scene.world.spacing / gravity);
 }
 
 Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const std::vector<Body>& bodies, int threads,
@@ -97,19 +89,24 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   WcsphFluid& self = *fluid;
   self.sign_of_life_ = std::move(sign_of_life);
   self.spacing_ = scene.world.spacing;
-  const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto ? scene.numerics.kernel
-                          : scene.world.dimension == 3 && scene.world.accuracy == Accuracy::kInteractive
-                              ? KernelKind::kCubic
-                              : KernelKind::kWendland;
+  const AccuracyClass settings = settings_of(scene.world.accuracy);
+  const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto           ? scene.numerics.kernel
+                          : scene.world.dimension == 3 && settings.cubic_in_3d ? KernelKind::kCubic
+                                                                               : KernelKind::kWendland;
   Kernel kernel{kind, scene.world.dimension, support_in_spacings(kind) * scene.world.spacing};
   self.constants_.kernel = kernel;
   self.constants_.threads = threads;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
+  // Implicit pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light
+  // bodies.
+  self.constants_.ram_on_samples = scene.numerics.pressure != Pressure::kImplicit;
   self.constants_.artificial_viscosity = static_cast<float>(scene.numerics.artificial_viscosity);
   const Vec3 gravity = scene.numerics.reduced_gravity ? Vec3::Zero() : scene.world.gravity;
   for (int k = 0; k < 3; ++k) self.constants_.gravity[k] = static_cast<float>(gravity[k]);
   if (scene.world.dimension == 2) self.constants_.gravity[1] = 0;
+  self.attraction_rate_ = scene.world.attraction_rate, self.attraction_centre_ = scene.world.attraction_centre;
   self.scheme_ = scene.coupling.scheme == "staggered" ? Scheme::kStaggered : Scheme::kInterlinked;
+  self.repeats_ = scene.coupling.scheme == "iterated";
   self.coordinates_ = Coordinates::make(choose_domain(scene, bodies, kernel.support), scene.world.periodic);
   for (int k = 0; k < 3; ++k)
     if (scene.world.periodic[k] &&
@@ -159,13 +156,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;
-    // Pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light bodies.
-    self.constants_.ram_on_samples = false;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
-    const Accuracy accuracy = scene.world.accuracy;
-    const double share = gravity_share(accuracy);
-    self.implicit_options_.tolerance = (accuracy == Accuracy::kInteractive ? 5e-3 : 1e-3) * share * share;
-    self.implicit_options_.body_tolerance = accuracy == Accuracy::kInteractive ? 1e-1 : 1e-3;
+    self.implicit_options_.tolerance = settings.tolerance * settings.gravity_share * settings.gravity_share;
+    self.implicit_options_.body_tolerance = settings.body_tolerance;
   }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));

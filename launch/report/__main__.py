@@ -19,6 +19,7 @@ import page
 from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
 from cases import ALL
 from judge import judge, mark
+from not_built import NOT_BUILT
 from runs import EXPECTED, Place, build_hash, finished, key_of, make
 
 
@@ -34,9 +35,7 @@ def arguments(words: list[str]) -> argparse.Namespace:
     parser.add_argument(
         "--level", choices=LEVELS[1:], default="10s", help="what a run may cost on two cores (default: 10s)"
     )
-    parser.add_argument(
-        "--methods", nargs="+", choices=METHODS, metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default"
-    )
+    parser.add_argument("--methods", nargs="+", metavar="METHOD", help=f"of {', '.join(METHODS)}; all by default")
     parser.add_argument(
         "--references", type=Path, metavar="DIR", help="folder with tables that may not be carried along"
     )
@@ -51,6 +50,12 @@ def arguments(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--list", action="store_true", help="print the runs and whether they are finished; make none")
     parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
     chosen = parser.parse_args(words)
+    # "--methods wcsph F1": words behind it that are no methods are cases, or refused as neither.
+    words_after = chosen.methods or []
+    chosen.cases += [w for w in words_after if w not in METHODS]
+    chosen.methods = [w for w in words_after if w in METHODS]
+    if words_after and not chosen.methods:
+        parser.error(f"--methods names none ({', '.join(words_after)}); methods are {', '.join(METHODS)}")
     if chosen.repeats < 1:
         parser.error(f"--repeats is {chosen.repeats}; give 1 or more")
     return chosen
@@ -67,11 +72,20 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
     # A run that is named by its whole id is meant whatever its level.
     everything = [job for case in ALL for job in jobs_of(case, LEVELS[-1], methods)]
     named = {job.id for job in everything} & set(chosen.cases)
-    jobs = [job for case in ALL for job in jobs_of(case, LEVELS[-1] if named else chosen.level, methods)]
+    patterns = [p for p in chosen.cases if p not in named]
     unknown = [p for p in chosen.cases if not any(fits(job, [p]) for job in everything)]
+    for name in unknown:
+        if name in NOT_BUILT:
+            raise Refused(f"{name} is not built: {NOT_BUILT[name][1]}")
     if unknown:
-        raise Refused(f"no run fits {', '.join(unknown)}; cases are {', '.join(c.id for c in ALL)}")
-    return [job for job in jobs if (job.id in named if named else fits(job, chosen.cases))]
+        known = f"cases are {', '.join(c.id for c in ALL)}; methods are {', '.join(METHODS)}"
+        raise Refused(f"no run fits {', '.join(unknown)}; {known}")
+    affordable = LEVELS[: LEVELS.index(chosen.level) + 1]
+    return [
+        job
+        for job in everything
+        if job.id in named or (job.level in affordable and (patterns or not named) and fits(job, patterns))
+    ]
 
 
 def reference_folders(place: Place, given: Path | None) -> list[Path]:

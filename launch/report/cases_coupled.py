@@ -46,12 +46,15 @@ def first_acceleration(run: Outcome) -> float:
     return -slope(*run.series("body.vz", 2e-3, 20e-3)) / G
 
 
-def release(shape: str, scene: str, case: str, title: str, resolutions: tuple, duration: str, methods: tuple) -> Case:
+def release(
+    shape: str, scene: str, case: str, title: str, resolutions: tuple, duration: str, methods: tuple, why: str = ""
+) -> Case:
     coefficient = added_mass(shape, 2)
     ratios = np.geomspace(RATIOS[0], RATIOS[-1], 200)
     return Case(
         id=case,
         title=title,
+        why=why,
         scene=scene,
         about=f"A {shape} let go in a concentric container twice as wide, full of water, at density ratios {RATIOS[0]:g} to "
         f"{RATIOS[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with -99 g.",
@@ -88,6 +91,7 @@ RELEASE_2D = release(
     (("coarse", 0.02), ("coarse", 0.01), ("10s", 0.005), ("1min", 0.0025)),
     "22 ms",
     ("wcsph", "implicit", "staggered"),
+    "the staggered scheme diverges where the body is lighter than its added mass; it is here to show that",
 )
 RELEASE_3D = release(
     "sphere",

@@ -123,3 +123,19 @@ def best_shift(t: Array, y: Array, at: Array, reference: Array, largest: float) 
 
     shift = min(np.linspace(-largest, largest, 201), key=error)
     return float(shift), error(shift)
+
+
+def ranks(values: Sequence[float]) -> Array:
+    """1 for the smallest; equal values share the mean of their places."""
+    y = np.asarray(values, float)
+    _, which, counts = np.unique(y, return_inverse=True, return_counts=True)
+    last = np.cumsum(counts)
+    return (last - (counts - 1) / 2)[which]
+
+
+def spearman(x: Sequence[float], y: Sequence[float]) -> float | None:
+    """Rank correlation: Pearson's of the ranks; nothing where one of both does not vary."""
+    a, b = ranks(x), ranks(y)
+    a, b = a - a.mean(), b - b.mean()
+    size = math.sqrt(float(a @ a) * float(b @ b))
+    return float(a @ b) / size if size else None

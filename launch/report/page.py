@@ -5,12 +5,15 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader
 
+import trust
 from case import LEVELS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, points_of, times_to_targets
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
+from not_built import NOT_BUILT
 from runs import Place
+from stability import ELSEWHERE
 
 WORD = {"met": "met", "missed": "missed", "no target": "–", "reference not installed": "reference not installed"}
 
@@ -156,7 +159,7 @@ def worst(rows: list[dict], index: int) -> dict:
 def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
     """A line per case and method at its finest resolution; over the variants the worst counts."""
     lines: list[dict] = []
-    for case in cases:
+    for case in (c for c in cases if not c.stability):
         for method in case.methods:
             mine = [r for r in rows if r["case"] == case.id and r["method"] == method]
             if not mine:
@@ -194,6 +197,25 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
     return lines
 
 
+def stability(cases: list[Case], rows: list[dict]) -> list[dict]:
+    """Of the stability suite: per case its runs, each with the verdict "stable", "stopped cleanly" or "not stable"."""
+    lines = []
+    for case in (c for c in cases if c.stability):
+        mine = [dict(r) for r in rows if r["case"] == case.id]
+        for row in mine:
+            fine = row["status"] == "finished" and all(m["verdict"] == "met" for m in row["measures"])
+            row["stable"] = (
+                "stable"
+                if fine
+                else "stopped cleanly"
+                if case.to_the_limit and row["status"] == "diverged"
+                else "not stable"
+            )
+        if mine:
+            lines.append({"case": case, "rows": mine, "not_stable": sum(r["stable"] == "not stable" for r in mine)})
+    return lines
+
+
 def tally(rows: list[dict]) -> dict[str, int]:
     """How many figures of all runs with a target met it."""
     verdicts = [m["verdict"] for r in rows for m in r["measures"]]
@@ -211,10 +233,19 @@ def write(
     sections = [
         case_section(place, case, [r for r in rows if r["case"] == case.id], references)
         for case in cases
-        if any(r["case"] == case.id for r in rows)
+        if not case.stability and any(r["case"] == case.id for r in rows)
     ]
     text = environment.get_template("page.html.j2").render(
-        results=results, sections=sections, summary=summary(cases, rows), tally=tally(rows), changes=changes, word=WORD
+        results=results,
+        sections=sections,
+        summary=summary(cases, rows),
+        stability=stability(cases, rows),
+        elsewhere=ELSEWHERE,
+        not_built=NOT_BUILT,
+        trust=trust.table(cases, rows),
+        tally=tally(rows),
+        changes=changes,
+        word=WORD,
     )
     path = place.out / f"report{part}.html"
     path.write_text(text)

@@ -157,3 +157,51 @@ def martin_moyce() -> tuple[Array, Array]:
     t = [0.41, 0.84, 1.19, 1.43, 1.63, 1.83, 1.98, 2.2, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11, 3.33]
     z = [1.11, 1.22, 1.44, 1.67, 1.89, 2.11, 2.33, 2.56, 2.78, 3, 3.22, 3.44, 3.67, 3.89, 4.11]
     return np.array(t), np.array(z)
+
+
+def drop_axes(strain: float, attraction: float, times: Array, step: float = 1e-3) -> tuple[Array, Array]:
+    """Semi-axes a (along x) and b over the radius of a drop of inviscid fluid that starts as a circle with
+    v = strain (x, -z), pulled to its centre with attraction^2 r; an ellipse at all times. `step` in 1 / strain.
+
+    J.J. Monaghan and A. Rafiee, Int. J. Numer. Meth. Fluids 71 (2013) 537-561; attraction 0: J.J. Monaghan,
+    J. Comput. Phys. 110 (1994) 399-406.
+    """
+
+    def rate(s: Array) -> Array:
+        big, a, b = s
+        return np.array([(big**2 + attraction**2) * (b**2 - a**2) / (a**2 + b**2), big * a, -big * b])
+
+    rows, s, now = [], np.array([strain, 1.0, 1.0]), 0.0
+    for t in times:
+        count = max(0, math.ceil((t - now) * abs(strain) / step - 1e-9))
+        for _ in range(count):
+            h = (t - now) / count
+            k1 = rate(s)
+            k2 = rate(s + h / 2 * k1)
+            k3 = rate(s + h / 2 * k2)
+            k4 = rate(s + h * k3)
+            s = s + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        now = t
+        rows.append(s[1:])
+    a, b = np.array(rows).T
+    return a, b
+
+
+def square_patch_pressure(terms: int = 200) -> float:
+    """p / (rho omega^2 L^2) in the middle of a square of fluid that starts to turn rigidly: lap p = 2 rho omega^2, 0 at
+    the rim, by its double sine series."""
+    total = 0.0
+    for m in range(1, terms, 2):
+        for n in range(1, terms, 2):
+            total += (-1) ** ((m + n) // 2 - 1) / (m * n * (m * m + n * n))
+    return -32 / math.pi**4 * total
+
+
+# A. ten Cate et al., Phys. Fluids 14 (2002) 4012-4025, tables I and II: by case the fluid's density (kg/m^3), viscosity (Pa s),
+# speed of the same sphere in an endless fluid (m/s), and the largest speed measured over it.
+TEN_CATE = {
+    "E1": (970, 0.373, 0.038, 0.947),
+    "E2": (965, 0.212, 0.060, 0.953),
+    "E3": (962, 0.113, 0.091, 0.959),
+    "E4": (960, 0.058, 0.128, 0.955),
+}

@@ -94,6 +94,7 @@ constexpr Break kBreaks[] = {
     {"ZeroSubsteps", "substeps: 1", "substeps: ^0", "from 1"},
     {"NegativeSeed", "seed: 3", "seed: ^-3", "whole number"},
     {"LostParticlesExpected", "lost_particles: 0", "lost_particles: ^5", "Write lost_particles: 0"},
+    {"LostParticlesBeyondAll", "lost_particles: 0", "lost_particles: ^120 %", "from 0 to 1"},
     {"AbsurdDensity", "density: 500 kg/m^3", "density: ^1e300", "is the unit right?"},
     {"AbsurdFluidDensity", "material: water", "material: water, density: ^1e300", "is the unit right?"},
     {"AbsurdPlace", "pose: [0.3, 0.3, 0.7]", "pose: [^1e30, 0.3, 0.7]", "is the unit right?"},

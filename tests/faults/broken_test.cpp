@@ -141,7 +141,7 @@ TEST_F(BrokenScenes, BrokenOnTheCommandLineAreRefusedByItsName) {
       {{"--spacing", "1e-7"}, "particles"},
       {{"--spacing", "5 s"}, "--set world.spacing"},
       {{"--engine", "bullet"}, "--set coupling.engine"},
-      {{"--scheme", "iterated"}, "--set coupling.scheme"},
+      {{"--scheme", "parallel"}, "--set coupling.scheme"},
       {{"--set", "models.bux.mass=3"}, "Did you mean 'box'"},
       {{"--set", "models.box.density=1e300"}, "is the unit right?"},
       {{"--set", "wurld.spacing=1"}, "Did you mean 'world'"},

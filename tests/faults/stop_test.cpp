@@ -85,8 +85,10 @@ TEST_P(Interrupted, RunKeepsItsRowsAndSaysSo) {
   sleep_ms(700);
   run.send(GetParam());
   EXPECT_EQ(run.wait(), 5) << run.text();
-  EXPECT_TRUE(has(run.text(), "interrupted")) << run.text();
+  const std::string name = std::string("SIG") + sigabbrev_np(GetParam());
+  EXPECT_TRUE(has(run.text(), "exit 5 (stopped by " + name + ")")) << run.text();
   const nlohmann::json record = run.record();
+  EXPECT_EQ(record.value("stopped_by", ""), name);
   EXPECT_EQ(record.value("interrupted", false), true);
   EXPECT_GT(record.value("steps", 0), 0);
   EXPECT_NEAR(run.last_row("bodies.csv")["t"], record.value("simulated_s", -1.0), 1e-8) << "rows have nine digits";

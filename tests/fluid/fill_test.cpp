@@ -71,6 +71,23 @@ TEST(Fill, VorticesNeitherStretchNorEndAtABorder) {
   }
 }
 
+TEST(Fill, StrainStretchesAlongXAboutTheCentre) {
+  Scene scene;
+  scene.world.spacing = 0.05;
+  Fluid water = box("water", 0, 1);  // 0 .. 1 along x, 0 .. 0.5 along y and z
+  water.strain = 4;
+  scene.fluids = {water};
+  const auto result = filled(scene);
+  ASSERT_TRUE(result) << result.error().text();
+  const Coordinates coordinates = Coordinates::make({{-1, -1, -1}, {2, 2, 2}}, {});
+  for (const Record& r : result->particles.record) {
+    const Vec3 p = coordinates.to_metres(r.x, r.y, r.z);
+    EXPECT_NEAR(r.vx, 4 * (p[0] - 0.5), 1e-5);
+    EXPECT_EQ(r.vy, 0);
+    EXPECT_NEAR(r.vz, -4 * (p[2] - 0.25), 1e-5);
+  }
+}
+
 /// A box half under water between two channels, shifted by shares of a spacing against the lattice.
 class Shifted : public testing::TestWithParam<double> {
  protected:

@@ -60,6 +60,23 @@ class Passes : public testing::TestWithParam<Case> {
     constants_.threads = GetParam().threads;
     items_.set_static_samples(fixed_);
     items_.rebuild(before_, after_, moving_, static_cast<std::uint32_t>(fixed_.size()));
+    constants_.ram_on_samples = true;
+    for (std::uint32_t item = 0; item < items_.size(); ++item) {
+      Eigen::Vector3f n(float(u(random) - 0.5), GetParam().dimension == 2 ? 0.f : float(u(random) - 0.5),
+                        float(u(random) - 0.5));
+      n.normalize();
+      extras_.normal.push_back({n[0], n[1], n[2], 0.f});
+    }
+  }
+
+  /// rho (alpha c u + u^2) between particles; with a sample rho u^2, u at most the speed against its surface.
+  double dissipation(std::uint32_t particle, std::uint32_t other) const {
+    const Record &a = items_.record[particle], &b = items_.record[other];
+    const Vec3 r = difference(a, b), relative = velocity(a) - velocity(b);
+    const double u = std::max(0.0, -relative.dot(r) / r.norm());
+    if (b.volume > 0) return 1000 * u * (u + 0.02 * 2);
+    const NormalRecord& n = extras_.normal[other];
+    return 1000 * std::pow(std::clamp(-relative.dot(Vec3(n.x, n.y, n.z)), 0.0, u), 2);
   }
 
   static Box3 domain() {
@@ -188,8 +205,7 @@ TEST_P(Passes, AccelerationEqualsTheSumOverPairs) {
       const Record& other = items_.record[j];
       const Vec3 r = difference(own, other);
       if (j == items_.fluid_item[f] || r.norm() >= kernel_.support) continue;
-      const double u = std::max(0.0, -(velocity(own) - velocity(other)).dot(r) / r.norm());
-      const double q = rho * u * (u + (other.volume > 0 ? 0.02 * 2 : 0));
+      const double q = dissipation(items_.fluid_item[f], j);
       const Vec3 one = -std::abs(other.volume) * (own.p + other.p + q) * slope(r.norm()) * r / rho;
       sum += one;
       scale += one.norm();
@@ -219,15 +235,18 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
   std::vector<SampleSums> sums;
   gather_samples(items_, extras_, constants_, sums);
   ASSERT_EQ(sums.size(), items_.sample_item.size());
-  double worst = 0, largest = 0;
+  double worst = 0, largest = 0, worst_pg = 0, largest_pg = 0;
   std::size_t wet = 0;
   for (std::size_t s = 0; s < sums.size(); ++s) {
     const Record& own = items_.record[items_.sample_item[s]];
     double w = 0, wp = 0, nearest = kernel_.support;
-    Vec3 g = Vec3::Zero();
-    for (const Record& other : after_.record) {
+    Vec3 g = Vec3::Zero(), pg = Vec3::Zero();
+    for (std::size_t f = 0; f < after_.size(); ++f) {
+      const Record& other = after_.record[f];
       const Vec3 r = difference(own, other);
       if (r.norm() >= kernel_.support) continue;
+      const double q = dissipation(items_.fluid_item[f], items_.sample_item[s]);
+      pg += (other.p + q) * other.volume * slope(r.norm()) * r;
       w += other.volume * kernel_.value(r.norm());
       wp += other.volume * kernel_.value(r.norm()) * other.p;
       g += other.volume * slope(r.norm()) * r;
@@ -240,8 +259,11 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
     EXPECT_NEAR(sums[s].nearest, nearest, 1e-5 * kernel_.support);
     worst = std::max(worst, (g - Eigen::Vector3f::Map(sums[s].g).cast<double>()).norm());
     largest = std::max(largest, g.norm());
+    worst_pg = std::max(worst_pg, (pg - Eigen::Vector3f::Map(sums[s].pg).cast<double>()).norm());
+    largest_pg = std::max(largest_pg, pg.norm());
   }
   EXPECT_LT(worst, 1e-5 * largest);
+  EXPECT_LT(worst_pg, 1e-5 * largest_pg);
   EXPECT_GT(wet, 50u);
 }
 

@@ -35,6 +35,28 @@ TEST_P(Turning, VelocityIsExactInsideAndAtAnEdge) {
   }
 }
 
+TEST_P(Turning, AProbeMovesWithAModel) {
+  Scene scene;
+  scene.models = {Model{}, Model{}};
+  scene.models[0].name = "other", scene.models[1].name = "tank";
+  Probe probe;
+  probe.kind = ProbeKind::kVelocity;
+  probe.at = {0.2, 0, 0.3};
+  probe.frame = "tank";
+  scene.probes = {probe};
+  std::vector<exchange::BodyState> states(2);
+  states[0].orientation[0] = 1;
+  const Quat q(Eigen::AngleAxisd(0.5, Vec3::UnitY()));  // turned and shifted
+  states[1] = states[0];
+  states[1].position[0] = 0.1, states[1].position[2] = 0.2;
+  states[1].orientation[0] = q.w(), states[1].orientation[2] = q.y();
+  const Vec3 at(0.1 + 0.2 * std::cos(0.5) + 0.3 * std::sin(0.5), 0, 0.2 - 0.2 * std::sin(0.5) + 0.3 * std::cos(0.5));
+  const Vec3 exact = Vec3(0.3, 0, -0.1) + Vec3(0, 2, 0).cross(at - Vec3(0.5, 0, 0.5));
+  const auto row = read_probes(scene, *fluid_, states);
+  ASSERT_EQ(row.size(), 3u);
+  EXPECT_LT((Vec3::Map(row.data()) - exact).norm(), 1e-5);
+}
+
 TEST_P(Turning, ThereIsNoVelocityAwayFromTheFluid) {
   EXPECT_EQ(velocity_at(*fluid_, {1.4, 0, 0.5}), Vec3::Zero().eval());
 }

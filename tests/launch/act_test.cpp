@@ -2,7 +2,9 @@
 #include "launch/act.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -108,8 +110,13 @@ TEST(Act, KeepsToThePlaneInDimension2) {
   EXPECT_TRUE(to_exchange(c, p));
 }
 
-TEST(Replays, HaveTheCommandsThatTookEffectAndTheEnd) {
-  const std::string path = testing::TempDir() + "/ballast_act_record.json";
+struct Replays : testing::Test {
+  // Of this process alone: ctest runs these tests side by side.
+  const std::string path = testing::TempDir() + "/ballast_act_record_" + std::to_string(getpid()) + ".json";
+  ~Replays() override { std::filesystem::remove(path); }
+};
+
+TEST_F(Replays, HaveTheCommandsThatTookEffectAndTheEnd) {
   nlohmann::json commands = nlohmann::json::array({{{"action", "pause"}, {"step", 3}}});
   for (const RunCommand& c : {push("crate"), put("crate"), pull(-2)}) commands.push_back(to_json(c));
   commands[1]["step"] = 7, commands[2]["step"] = 9, commands[3]["step"] = 9;
@@ -126,8 +133,7 @@ TEST(Replays, HaveTheCommandsThatTookEffectAndTheEnd) {
   EXPECT_EQ(to_json(replay->commands[1].command), to_json(pull(-2)));
 }
 
-TEST(Replays, OfRunsWithoutCommandsOrOfNoRecordAreErrorsThatSayWhy) {
-  const std::string path = testing::TempDir() + "/ballast_act_record.json";
+TEST_F(Replays, OfRunsWithoutCommandsOrOfNoRecordAreErrorsThatSayWhy) {
   std::ofstream(path) << R"({"steps": 17})";
   EXPECT_THAT(read_replay(path).error().what, HasSubstr("no record of a run that a command"));
   std::ofstream(path) << R"({"commands": [{"action": "gravity", "step": 5, "gravity_m_s2": "down"}]})";

@@ -99,6 +99,27 @@ TEST_F(Cli, AMisspeltKeyIsCode2WithItsLine) {
   EXPECT_NE(ended.text.find("duration"), std::string::npos) << ended.text;
 }
 
+TEST_F(Cli, CheckWarnsOfBodiesThatNoFluidReachesAndOfThoseSmallerThanAParticle) {
+  std::ofstream(folder / "odd.yaml") << R"(ballast: 1
+world: { dimension: 2, duration: 1 s, spacing: 5 cm }
+fluids:
+  - { name: water, density: 1000, fill: { box: { min: [0, -0.5, 0], max: [1, 0.5, 0.5] } } }
+models:
+  - { name: tank, static: true, shape: { open_box: { inside: [1, 1, 1] } } }
+  - { name: stray, shape: { box: [0.2, 1, 0.2] }, density: 500, pose: [2, 0, 0.5] }
+  - { name: grain, shape: { sphere: { radius: 0.01 } }, density: 500, pose: [0.3, 0, 0.8],
+      repeat: { count: [3, 1, 1], step: [0.1, 0, 0] } }
+  - { name: above, shape: { box: [0.2, 1, 0.2] }, density: 500, pose: [0.5, 0, 3] }
+)";
+  const Ended ended = call({"check", (folder / "odd.yaml").string()});
+  EXPECT_EQ(ended.code, 0) << ended.text;
+  for (const char* word : {"odd.yaml:7:5: the body 'stray' is at (2, 0, 0.5) m, wholly outside every container",
+                           "odd.yaml:8:5: the body 'grain_0_0_0' (and 2 more copies) is 0.02 m thick"})
+    EXPECT_NE(ended.text.find(word), std::string::npos) << word << " is not in\n" << ended.text;
+  EXPECT_EQ(ended.text.find("'above'"), std::string::npos) << "it can fall in\n" << ended.text;
+  EXPECT_EQ(ended.text.find("body 'tank'"), std::string::npos) << ended.text;
+}
+
 TEST_F(Cli, AFreeFallRunsWithoutFluidAndEndsInFiveLines) {
   const Ended ended = call({"run", scene(), "--out", out()});
   EXPECT_EQ(ended.code, 0) << ended.text;

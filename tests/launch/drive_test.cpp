@@ -169,6 +169,7 @@ TEST_F(Drive, StopsInGoodOrderOnSigterm) {
   const Outcome outcome = run({.steps = 100000}, {.steps = 100000});
   interrupt.join();
   EXPECT_TRUE(outcome.interrupted);
+  EXPECT_EQ(outcome.message, "stopped by SIGTERM");
   EXPECT_EQ(outcome.exit, kProcessFailed);
   EXPECT_GT(steps, 0u);
   EXPECT_LT(seconds, 3);

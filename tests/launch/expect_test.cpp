@@ -2,6 +2,7 @@
 #include "launch/expect.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -79,6 +80,32 @@ TEST_F(Fixture, LostParticlesMustBeNone) {
   EXPECT_FALSE(judged(of_kind(ExpectKind::kLostParticles)).pass);
   fluid["particles"].erase("lost");  // unknown is not none
   EXPECT_FALSE(judged(of_kind(ExpectKind::kLostParticles)).pass);
+}
+
+TEST_F(Fixture, LostParticlesMayBeAShareOfThoseAtTheStart) {
+  Expect e = of_kind(ExpectKind::kLostParticles);
+  e.within_relative = 0.25;
+  fluid["particles"] = {{"fluid", 180}, {"left_domain", 20}, {"misplaced", 30}, {"lost", 50}};
+  EXPECT_TRUE(judged(e).pass);
+  fluid["particles"]["lost"] = 51;
+  EXPECT_FALSE(judged(e).pass);
+}
+
+TEST_F(Fixture, ALossThatTheSceneDoesNotSpeakOfIsAMissAboveOnePercent) {
+  const auto loss = [&] {
+    return judge_unforeseen_loss({scene, bodies, body_rows, probe_rows, fluid, rigid, imbalance, references});
+  };
+  EXPECT_FALSE(loss());
+  fluid["particles"] = {{"fluid", 190}, {"left_domain", 10}, {"misplaced", 0}, {"lost", 2}};
+  EXPECT_FALSE(loss()) << "1 % of 200";
+  fluid["particles"]["lost"] = 3;
+  ASSERT_TRUE(loss());
+  EXPECT_FALSE(loss()->pass);
+  EXPECT_NE(loss()->note.find("lost_particles: 5 %"), std::string::npos) << loss()->note;
+  scene.expects.push_back(of_kind(ExpectKind::kMomentum));
+  EXPECT_TRUE(loss());
+  scene.expects.push_back(of_kind(ExpectKind::kLostParticles));
+  EXPECT_FALSE(loss()) << "that one judges it";
 }
 
 TEST_F(Fixture, AFluidProcessThatDiedHasNotLostNothing) {
@@ -207,7 +234,7 @@ TEST_F(Fixture, TotalMomentumAddsFluidAndBodies) {
 }
 
 TEST_F(Fixture, TrackMeasuresRmsAgainstTheReferenceAtItsTimes) {
-  const auto folder = std::filesystem::temp_directory_path() / "ballast_track_test";
+  const auto folder = std::filesystem::temp_directory_path() / ("ballast_track_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "sine.csv") << "# exact\nt,eta\n0.1,1.0998\n0.2,1.1987\n0.4,1.3894\n9,5\n";
   Expect e = of_kind(ExpectKind::kTrack);

@@ -83,6 +83,31 @@ TEST_F(Record, HasEveryKeyThatScriptsRelyOn) {
   EXPECT_EQ(record["warnings"], json({"slow"}));
 }
 
+TEST_F(Record, OfOneProcessHasItsOneThread) {
+  EXPECT_EQ(make_record(*prepared, outcome, *collector, {}, 0)["threads"], 1);
+  prepared->fluid = true;  // which died before it could say how many "all cores" are
+  EXPECT_TRUE(make_record(*prepared, outcome, *collector, {}, 0)["threads"].is_null());
+  EXPECT_EQ(make_record(*prepared, outcome, *collector, {}, 3)["threads"], 3);
+  outcome.fluid = {{"threads", 2}};
+  EXPECT_EQ(make_record(*prepared, outcome, *collector, {}, 0)["threads"], 2);
+}
+
+TEST_F(Record, OfAStoppedRunNamesTheSignalAndJudgesNothing) {
+  outcome.exit = kProcessFailed;
+  outcome.interrupted = true;
+  outcome.stopped_by = "SIGHUP";
+  Verdict verdict{.name = "ball.z last", .value = 0.25, .pass = true};
+  verdict.not_judged = "the run was stopped by SIGHUP";
+  const json record = make_record(*prepared, outcome, *collector, {verdict}, 2);
+  EXPECT_EQ(record["stopped_by"], "SIGHUP");
+  EXPECT_TRUE(record["expect"][0]["pass"].is_null());
+  EXPECT_EQ(record["expect"][0]["not_judged"], verdict.not_judged);
+  const std::vector<std::string> lines = summary_lines(record, "out/drop");
+  EXPECT_TRUE(lines[0].ends_with("exit 5 (stopped by SIGHUP)")) << lines[0];
+  EXPECT_NE(lines[3].find("expectations not judged: the run was stopped by SIGHUP"), std::string::npos) << lines[3];
+  EXPECT_EQ(lines[3].find("met"), std::string::npos) << lines[3];
+}
+
 TEST_F(Record, InventsNoNumbers) {
   const json record = make_record(*prepared, outcome, *collector, {}, 2);
   EXPECT_TRUE(record["particle_steps_per_s"].is_null());

@@ -97,6 +97,33 @@ TEST(Rows, AreRefusedForBytesThatAreNoMessage) {
   EXPECT_THAT(rows_of(bytes.data(), bytes.size()).error().what, HasSubstr("unknown"));
 }
 
+void put(std::vector<std::byte>& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<std::byte>(value >> (24 - 8 * k));
+}
+
+/// The generated decoders allocate and read what a message says. Seen before the check: gigabytes for a list, a text
+/// read beyond the end of the message.
+TEST(Rows, AreRefusedForLengthsThatTheBytesDoNotHave) {
+  const std::size_t process = 8 + 8 + 8;  // hash, time, step
+  for (const std::uint32_t length : {0u, 3u, 15u, 0x7fffffffu, 0xffffffffu}) {
+    std::vector<std::byte> bytes = encoded(a_warning());
+    put(bytes, process, length);
+    EXPECT_THAT(rows_of(bytes.data(), bytes.size()).error().what, HasSubstr("damaged")) << length;
+  }
+  std::vector<std::byte> unended = encoded(a_warning());
+  unended.back() = std::byte{'!'};
+  EXPECT_THAT(rows_of(unended.data(), unended.size()).error().what, HasSubstr("damaged"));
+  body_states_t list{};
+  list.count = 1;
+  list.bodies.resize(1);
+  const std::size_t count = 8 + 8 + 8 + 8 + 4 + 4;
+  for (const std::uint32_t n : {0u, 2u, 0x0fffffffu, 0x80000000u, 0xffffffffu}) {
+    std::vector<std::byte> bytes = encoded(list);
+    put(bytes, count, n);
+    EXPECT_THAT(rows_of(bytes.data(), bytes.size()).error().what, HasSubstr("damaged")) << n;
+  }
+}
+
 /// tap gives a row to each entry, so two lists of different lengths in one message could not be shown.
 TEST(Rows, FitEveryTypeSinceNoneHasTwoListLengthsOrListsOfLists) {
   int count = 0;

@@ -59,6 +59,15 @@ TEST(Screen, SaysHowTheRunStands) {
   }
 }
 
+TEST(Screen, SaysThatARunSleeps) {
+  View view;
+  status_t status = a_status();
+  status.step_limit = "asleep";
+  status.dt = 0.02;
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), HasSubstr("900 of 20 ms, asleep: all is at rest"));
+}
+
 TEST(Screen, ShowsBodiesWithTheirForces) {
   View view;
   hear(view, msgs::kStatus, a_status());

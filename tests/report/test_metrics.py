@@ -55,6 +55,20 @@ class Curves(unittest.TestCase):
         self.assertAlmostEqual(error, 0.2 / 7, places=6)
 
 
+class Ranks(unittest.TestCase):
+    def test_equal_values_share_their_place(self):
+        np.testing.assert_array_equal(metrics.ranks([10, 30, 20, 30]), [1, 3.5, 2, 3.5])
+
+    def test_spearman_by_the_textbook_formula(self):
+        # 1 - 6 sum d^2 / (n (n^2 - 1)) where nothing is equal: d = (-1, 1, 0, 0, 0).
+        self.assertAlmostEqual(metrics.spearman([1, 2, 3, 4, 5], [20, 10, 30, 50, 70]), 1 - 6 * 2 / (5 * 24), places=12)
+        self.assertAlmostEqual(metrics.spearman([1, 2, 3], [1, 1e3, 1e9]), 1, places=12)
+        self.assertAlmostEqual(metrics.spearman([1, 2, 3], [9, 5, -2]), -1, places=12)
+
+    def test_what_does_not_vary_has_no_rank_correlation(self):
+        self.assertIsNone(metrics.spearman([1, 2, 3], [4, 4, 4]))
+
+
 class ErrorAgainstTime(unittest.TestCase):
     def test_order_of_a_second_order_method(self):
         self.assertAlmostEqual(metrics.observed_order(0.1, 0.04, 0.05, 0.01), 2, places=12)

@@ -92,6 +92,25 @@ class Tumbling(unittest.TestCase):
         np.testing.assert_allclose(((inertia * w) ** 2).sum(1), 4.0001, atol=1e-8)
 
 
+class Drops(unittest.TestCase):
+    def test_a_stretching_drop_at_the_published_time(self):
+        # J.J. Monaghan, J. Comput. Phys. 110 (1994): semi-axis 1.9445 after 7.6 ms at 100 1/s.
+        a, b = references.drop_axes(-100, 0, np.array([0.0, 0.0076]))
+        self.assertAlmostEqual(b[1], 1.9445, places=4)
+        np.testing.assert_allclose(a * b, 1, atol=1e-9)
+
+    def test_a_swinging_drop_keeps_its_energy(self):
+        # Per mass over R^2: (A^2 + B^2) (a^2 + b^2) / 8; at the largest stretch A = 0 and a^2 + 1 / a^2 = 2.5.
+        a, _ = references.drop_axes(0.5, 1, np.linspace(0, 4.57, 2000))
+        self.assertAlmostEqual(a.max(), 2**0.5, places=5)
+        self.assertAlmostEqual(a.min(), 0.5**0.5, places=5)
+        self.assertAlmostEqual(a[-1], 1, places=2)
+
+    def test_suction_in_a_square_patch(self):
+        # Torsion of a square bar: Prandtl's stress function of lap phi = -2 G theta is 0.1473 G theta a^2 in the middle.
+        self.assertAlmostEqual(references.square_patch_pressure(), -0.14734, places=5)
+
+
 class Tables(unittest.TestCase):
     def test_comments_are_skipped_and_columns_named(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parents[2]
+BOXES = ["R0/box/ode/0.001", "R0/box/free_body/0.001"]
 CHEAP = ["R4/90deg/ode/0.002", "R4/90deg/ode/0.001"]
 
 
@@ -97,6 +98,47 @@ class Report(unittest.TestCase):
         note = {"status": "diverged", "message": "why", "wall_s": None, "walls": [], "started": "", "load": 0}
         row = judge(Place(TREE, self.out, self.out), Job(case, Variant(), "ode", "10s", 0.002), note, [])
         self.assertEqual((row["status"], row["measures"][0]["verdict"]), ("diverged", "missed"))
+
+    def test_words_behind_the_methods_are_cases(self):
+        done = self.report("--methods", "ode", CHEAP[0], "--out", "a")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(list(self.rows("a")), [CHEAP[0]])
+
+    def test_whole_ids_and_patterns_go_together(self):
+        done = self.report(CHEAP[0], "R0/box", "--list")
+        self.assertEqual([x.split()[0] for x in done.stdout.splitlines()], [*BOXES, CHEAP[0]], done.stderr)
+
+    def test_methods_that_are_none_are_refused(self):
+        for words in (["--methods", "F1"], ["--methods", "ode", "wscph"]):
+            done = self.report(*words, "--out", "a")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(words[-1], done.stderr)
+            self.assertIn("methods are wcsph", done.stderr)
+
+    def test_a_case_that_is_not_built_says_why(self):
+        from not_built import NOT_BUILT
+
+        for name, (_, why) in NOT_BUILT.items():
+            done = self.report(name, "--out", "a")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(why, done.stderr)
+
+    def test_a_stability_run_is_in_its_own_table(self):
+        self.report("S08/c11/wcsph/0.025", "--out", "a")
+        (row,) = self.rows("a").values()
+        page = (self.out / "a/report_part.html").read_text()
+        self.assertIn('id="stability"', page)
+        self.assertNotIn('id="S08"', page)
+        import page as pages
+        import stability
+
+        case = next(c for c in stability.CASES if c.id == "S08")
+        (line,) = pages.stability([case], [row])
+        self.assertEqual(line["rows"][0]["stable"], "stable")
+        leaked = {**row, "measures": [{**row["measures"][0], "value": 1.0, "verdict": "missed"}, *row["measures"][1:]]}
+        stopped = {**row, "status": "diverged"}
+        for bad in (leaked, stopped):
+            self.assertEqual(pages.stability([case], [bad])[0]["rows"][0]["stable"], "not stable")
 
     def test_an_unknown_case_is_refused_by_name(self):
         done = self.report("Z9", "--out", "a")

@@ -38,7 +38,7 @@ struct World {
   Manifest manifest;
 
   explicit World(double gravity = 9.81, std::uint32_t dimension = 3, double length = 0.1) {
-    manifest.world = {{0, 0, -gravity}, 10, 1e-3, length, dimension, 1, 7, 0.01};
+    manifest.world = {{0, 0, -gravity}, 10, 1e-3, length, dimension, 1, 7, 0.01, 0, 0};
   }
 
   std::uint32_t body(BodyMotion motion, double mass, const Vec& inertia, const Vec& position, double friction = 0.3,

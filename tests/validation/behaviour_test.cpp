@@ -138,6 +138,40 @@ TEST_F(Behaviour, ADivergedRunSaysWhenWhereAndWhyAndKeepsItsState) {
   EXPECT_EQ(run.left_behind(), std::vector<std::string>{});
 }
 
+/// Steps beyond what the scheme bears feed the fluid with energy long before anything is not a number.
+TEST_F(Behaviour, ARunThatGainsEnergyHasDiverged) {
+  const std::vector<std::string> words{scene("report/tank_box"), "--set", "numerics.courant=3", "--duration", "1s"};
+  Command run(scratch.path, words);
+  EXPECT_EQ(run.wait(), 4) << run.text();
+  for (const char* word : {"the fluid has gained", "numerics.energy_bound", "numerics.courant = 3",
+                           "expectations not judged: the run diverged", "post_mortem/"})
+    EXPECT_NE(run.text().find(word), std::string::npos) << word << " is not in\n" << run.text();
+  EXPECT_GT(run.record()["error"].value("energy_gain", 0.0), 0.1);
+  EXPECT_TRUE(run.record()["expect"][0]["pass"].is_null());
+  auto sound = words;
+  sound[2] = "numerics.courant=0.5";
+  Command fine(scratch.path, sound);
+  EXPECT_EQ(fine.wait(), 0) << fine.text();
+  EXPECT_LT(fine.record()["error"].value("energy_gain", 1.0), 0.01);
+}
+
+/// Eight times the limit: the end names the checkpoint before the trouble, from which a resumed run gets as far.
+TEST_F(Behaviour, ADivergedRunNamesItsLastCheckpoint) {
+  Command run(scratch.path, {scene("stacked_blocks"), "--spacing", "5cm", "--duration", "0.4s", "--set",
+                             "numerics.courant=8", "--checkpoint", "20ms"});
+  EXPECT_EQ(run.wait(), 4) << run.text();
+  for (const char* word : {"numerics.courant = 8", "post_mortem/", "last whole checkpoint: step", "--resume"})
+    EXPECT_NE(run.text().find(word), std::string::npos) << word << " is not in\n" << run.text();
+  const auto record = run.record();
+  ASSERT_TRUE(record.contains("last_checkpoint")) << record;
+  EXPECT_LT(record["last_checkpoint"]["time_s"], record["simulated_s"]);
+  EXPECT_GT(record["last_checkpoint"]["time_s"], record["simulated_s"].get<double>() - 0.05);
+  fs::create_directories(scratch.path / "again");
+  Command again(scratch.path / "again", {"--resume", (scratch.path / "out").string()});
+  EXPECT_EQ(again.wait(), 4) << again.text();
+  EXPECT_EQ(again.record()["state_hash"], record["state_hash"]);
+}
+
 /// Steps that are much too long are done again, shorter, also where no rigid process has kept the states before them.
 TEST_F(Behaviour, StepsAreTakenBackWithoutARigidProcessToo) {
   Command run(scratch.path, {scene("hydrostatic"), "--set", "numerics.courant=8", "--duration", "0.2s", "--no-expect"});

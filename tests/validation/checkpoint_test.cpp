@@ -66,12 +66,48 @@ INSTANTIATE_TEST_SUITE_P(
     Kinds, Resumed,
     ::testing::Values(Kind{"Explicit", kBlocks, "0.15s"}, Kind{"Implicit", joined(kBlocks, kImplicit), "0.15s"},
                       Kind{"Staggered", joined(kBox, {"--scheme", "staggered"}), "0.2s"},
-                      Kind{"StaggeredImplicit", joined(joined(kBox, kImplicit), {"--scheme", "staggered"}), "0.2s"},
+                      Kind{"Iterated", joined(kBlocks, {"--scheme", "iterated"}), "0.15s"},
+                      Kind{"IteratedImplicit", joined(joined(kBlocks, kImplicit), {"--scheme", "iterated"}), "0.15s"},
                       Kind{"FreeBody", {scene("added_mass_2d"), "--engine", "free_body", "--duration", "20ms"}, "8ms"},
                       Kind{"Substeps", joined(kBlocks, {"--set", "coupling.substeps=3"}), "0.15s"},
                       Kind{"RigidAlone", {scene("pendulum"), "--duration", "1s", "--set", "expect=[]"}, "0.4s"},
                       Kind{"FluidAlone", {scene("dam_break_empty"), "--duration", "0.2s"}, "0.08s"}),
     [](const auto& each) { return std::string(each.param.name); });
+
+struct Longer : Resumed {};
+
+/// The duration decides the end alone: what a shorter run has left goes on to be the longer one.
+TEST_P(Longer, RunsEndAsThoseThatWereToLastThatLong) {
+  const Kind& kind = GetParam();
+  const fs::path a = scratch.path / "a", b = scratch.path / "b";
+  for (const fs::path& folder : {a, b}) fs::create_directories(folder);
+  Command unbroken(a, joined(kind.arguments, {"--duration", "0.3s"}));
+  const int code = unbroken.wait();
+  ASSERT_TRUE(code == 0 || code == 3) << unbroken.text();
+  Command shorter(b, joined(kind.arguments, {"--duration", "0.2s", "--checkpoint", kind.every}));
+  shorter.wait();
+  fs::rename(b / "out", b / "shorter");
+  Command resumed(b, {"--resume", (b / "shorter").string(), "--duration", "0.3s"});
+  EXPECT_EQ(resumed.wait(), code) << resumed.text();
+  EXPECT_GT(resumed.record()["resumed"]["time_s"], 0.15);
+  EXPECT_EQ(results(resumed.record()), results(unbroken.record()));
+  for (const char* file : {"bodies.csv", "probes.csv"})
+    EXPECT_EQ(text_of(b / "out" / file), text_of(a / "out" / file)) << file;
+  Command past(b, {"--resume", (b / "shorter").string(), "--duration", "0.1s"});
+  EXPECT_EQ(past.wait(), 2) << past.text();
+  EXPECT_NE(past.text().find("let the run last longer"), std::string::npos) << past.text();
+}
+
+// Checkpoints so often that one would fall on the step that the end of the shorter run cuts.
+INSTANTIATE_TEST_SUITE_P(Kinds, Longer,
+                         ::testing::Values(Kind{"Explicit", {scene("floating_box"), "--no-expect"}, "0.1ms"},
+                                           Kind{"Implicit",
+                                                {scene("floating_box"), "--no-expect", "--set",
+                                                 "numerics.pressure=implicit"},
+                                                "0.1ms"},
+                                           Kind{"RigidAlone", {scene("pendulum"), "--no-expect"}, "0.1ms"},
+                                           Kind{"FluidAlone", {scene("dam_break_2d"), "--no-expect"}, "0.1ms"}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 struct Checkpoints : ::testing::Test {
   Scratch scratch;
@@ -109,6 +145,17 @@ TEST_F(Checkpoints, OfAnotherSceneAreRefusedWithTheKeysThatDiffer) {
   EXPECT_EQ(other.text().find("world/duration"), std::string::npos) << other.text();
   Command same(second, pendulum({"--resume", (first / "out").string(), "--set", "output.checkpoint.keep=9"}));
   EXPECT_TRUE(same.wait() == 0 || same.wait() == 3) << same.text();
+}
+
+/// Without weights the speed at which ODE parts bodies that overlap comes from the duration.
+TEST_F(Checkpoints, OfWeightlessBodiesLastNoLonger) {
+  Command run(first, pendulum({"--set", "world.gravity=[0,0,0]", "--checkpoint", "50ms"}));
+  run.wait();
+  Command longer(second, {"--resume", (first / "out").string(), "--duration", "1s"});
+  EXPECT_EQ(longer.wait(), 2) << longer.text();
+  EXPECT_NE(longer.text().find("was to last 0.5 s, not 1 s"), std::string::npos) << longer.text();
+  Command same(second, {"--resume", (first / "out").string(), "--duration", "0.5s"});
+  EXPECT_EQ(same.wait(), 0) << same.text();
 }
 
 TEST_F(Checkpoints, ThatAreDamagedAreNamedAndTheOneBeforeIsTaken) {

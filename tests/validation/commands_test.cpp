@@ -121,9 +121,14 @@ TEST_F(Commands, GiveTheSameBitsWithOtherThreadsAndFromACheckpoint) {
   EXPECT_EQ(resumed.record()["commands"].size(), 5u) << resumed.record()["commands"].dump(1);
 }
 
-/// Steps of eight times the sound's limit: some are done again, with their commands, which must count once.
-TEST_F(Commands, CountOnceInStepsThatAreTakenBack) {
-  const Words blocks{scene("stacked_blocks"), "--spacing", "5cm", "--duration", "0.4s", "--set", "numerics.courant=8"};
+struct CommandsTakenBack : Commands, ::testing::WithParamInterface<const char*> {};
+
+/// Steps of eight times the sound's limit: some are done again, with their commands, which must count once; by the
+/// iterated scheme many more.
+TEST_P(CommandsTakenBack, CountOnce) {
+  const Words blocks{
+      scene("stacked_blocks"),   "--spacing", "5cm",     "--duration", "0.4s", "--set", "numerics.courant=8", "--set",
+      "numerics.energy_bound=1", "--scheme",  GetParam()};
   json pushes = json::array();
   for (int step = 5; step < 150; ++step)
     pushes.push_back(at(step, wrench("block_0_0_2", {0.5 * (step % 3), 0, 1}, 3e-3)));
@@ -143,6 +148,9 @@ TEST_F(Commands, CountOnceInStepsThatAreTakenBack) {
   resumed.wait();
   EXPECT_EQ(resumed.record()["state_hash"], first.record()["state_hash"]) << resumed.text();
 }
+
+INSTANTIATE_TEST_SUITE_P(Schemes, CommandsTakenBack, ::testing::Values("interlinked", "iterated"),
+                         [](const auto& each) { return std::string(each.param); });
 
 /// Half the gravity, half the weight on the tank; 5 %: the sudden change rings in the column.
 TEST_F(Commands, ChangeTheWeightOfWater) {

@@ -153,6 +153,20 @@ TEST_F(Corruption, repetition_that_skips_one) {
 TEST_F(Corruption, unknown_flags) {
   EXPECT_NAMES(after_damaged_order([&] { order().flags = 64; }), HasSubstr("flags = 64"));
 }
+TEST_F(Corruption, bodies_that_move_in_a_step_asleep) {
+  ASSERT_TRUE(rigid.send({}, states));
+  ASSERT_TRUE(fluid.receive(0, 0, states));
+  for (std::uint64_t step = 1; step <= 2; ++step) {
+    ASSERT_TRUE(fluid.send(order_of(step, kAsleep), wrenches, {}));
+    ASSERT_TRUE(rigid.receive(got, contacts));
+    auto moved = states;
+    if (step == 2) moved[1].position[2] += 1e-12;
+    ASSERT_TRUE(rigid.send(answer_of(step), moved));
+    auto answer = fluid.receive(step, 0, states);
+    ASSERT_EQ(static_cast<bool>(answer), step == 1);
+    if (step == 2) EXPECT_NAMES(answer.error(), HasSubstr("states in a step asleep"));
+  }
+}
 TEST_F(Corruption, order_without_a_length) {
   EXPECT_NAMES(after_damaged_order([&] { order().dt = 0; }), HasSubstr("dt = 0, expected a positive number"));
 }

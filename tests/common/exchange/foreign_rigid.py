@@ -33,7 +33,7 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 4, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 5, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
         self.parts = [self.get("QQ", 128 + 16 * i) for i in range(17)]
@@ -141,7 +141,7 @@ def main(name):
         saved = [(m, list(x)) for m, x in bodies]
         tail = seg.word(CONTACTS + 128)
         tail.value = (tail.value + 96 * contacts) % 2**32
-        for b, (mass, x) in enumerate(bodies):
+        for b, (mass, x) in enumerate(bodies if not flags & 8 else []):
             force = seg.get("3d", at + 64 + 48 * b)
             for k in range(3):
                 x[7 + k] += dt * (gravity[k] + force[k] / mass)

@@ -130,7 +130,8 @@ TEST(protocol_page, numbers_the_parts_as_the_code_does) {
   EXPECT_EQ(next, kParts);
 }
 
-/// A rigid process in another language, written from the page: 60 steps, every third one repeated.
+/// A rigid process in another language, written from the page: 60 steps, every third one repeated, and one slept
+/// through.
 TEST(protocol_page, is_enough_to_write_a_rigid_process_in_another_language) {
   SegmentPlan plan = plan_of(3);
   for (BodyRecord& b : plan.manifest.bodies) b.mass = 2.5;
@@ -173,12 +174,16 @@ TEST(protocol_page, is_enough_to_write_a_rigid_process_in_another_language) {
       }
     }
   }
+  ASSERT_TRUE(link.send(order_of(61, kAsleep), wrenches, {}));
+  auto asleep = link.receive(61, 0, states);
+  ASSERT_TRUE(asleep) << asleep.error().text();
+  EXPECT_EQ(asleep->hash, hash) << "bodies that sleep do not move";
   ASSERT_TRUE(link.finish(kFine, "{}"));
   EXPECT_EQ(python.wait(), 0);
   Control control(*segment);
   std::vector<Frame> frames;
   ASSERT_TRUE(control.drain(Role::kRigid, frames));
-  ASSERT_EQ(frames.size(), 60u);
+  ASSERT_EQ(frames.size(), 61u);
   EXPECT_EQ(frames.back().step_report().hash, hash);
   EXPECT_EQ(frames[2].step_report().iteration, 1u);
   EXPECT_EQ(control.final_report(Role::kRigid), "{\"engine\": \"foreign_rigid.py\"}");

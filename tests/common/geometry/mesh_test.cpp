@@ -144,13 +144,32 @@ TEST(Mesh, RefusesWhatIsNotASolid) {
   expect_refusal(mesh(good.path()), "does not cross the plane y = 0", 2);
 }
 
-/// Found by the fuzz target: assimp's PLY reader seeks for ever.
-TEST(Mesh, RefusesADamagedFileThatIsNeverReadToItsEnd) {
-  std::ifstream seed(BALLAST_SOURCE_DIR "/tests/fuzz/corpus/mesh/endless_ply", std::ios::binary);
+/// A finding of the fuzz target, without the first byte, which tells it the format.
+std::string finding(const char* name) {
+  std::ifstream seed(std::string(BALLAST_SOURCE_DIR "/tests/fuzz/corpus/mesh/") + name, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(seed), {}};
-  ASSERT_GT(bytes.size(), 100u);
-  const TemporaryFile endless("_endless.ply", bytes.substr(1));  // the first byte tells the target the format
+  EXPECT_GT(bytes.size(), 100u) << name;
+  return bytes.substr(1);
+}
+
+/// assimp's PLY reader seeks for ever.
+TEST(Mesh, RefusesADamagedFileThatIsNeverReadToItsEnd) {
+  const TemporaryFile endless("_endless.ply", finding("endless_ply"));
   expect_refusal(mesh(endless.path()), "does not come to an end");
+}
+
+/// An assertion of assimp ends the process that reads.
+TEST(Mesh, RefusesADamagedFileThatCrashesItsReader) {
+  const TemporaryFile crashes("_crashes.ply", finding("aborts_the_reader"));
+  expect_refusal(mesh(crashes.path()), "its reader crashed (Aborted)");
+}
+
+/// The reader's memory is bounded: ten million indices of nothing are refused, whatever assimp makes of them.
+TEST(Mesh, RefusesAFileThatAnnouncesMoreThanThereIs) {
+  const TemporaryFile huge("_huge.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n"
+                           "property float z\nend_header\n0 0 0\n");
+  expect_refusal(mesh(huge.path()), "cannot read mesh");
 }
 
 }  // namespace

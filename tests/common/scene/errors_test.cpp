@@ -147,11 +147,34 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"axis: [0, 1, 0]", "axis: [0, 0, 0]", "27:11", "axis has no direction", "unit vector"},
         Case{"axis: [0, 1, 0]", "axis: [0, 3, 4]", "27:11", "axis has the length 5", "[0, 0.6, 0.8]"},
         Case{"output:", "coupling: { engine: od }\noutput:", "31:21", "'od' is not known", "Did you mean 'ode'?"},
-        Case{"output:", "coupling: { scheme: iterated }\noutput:", "31:21", "'iterated' is not known", "staggered"},
+        Case{"output:", "coupling: { scheme: iterate }\noutput:", "31:21", "'iterate' is not known",
+             "Did you mean 'iterated'?"},
+        Case{"output:", "coupling: { scheme: staggered, tolerance: 1 % }\noutput:", "31:32",
+             "only for the iterated scheme", "Remove tolerance"},
+        Case{"output:", "numerics: { pressure: implicit, courant: 0.2 }\noutput:", "31:33",
+             "only for the explicit solver", "Remove courant"},
+        Case{"output:", "numerics: { pressure: implicit, diffusion: 0.2 }\noutput:", "31:33",
+             "only for the explicit solver", "Remove diffusion"},
+        Case{"output:", "numerics: { pressure: implicit }\ncoupling: { scheme: staggered }\noutput:", "32:21",
+             "knows no staggered", "numerics.pressure: wcsph"},
         Case{"models:\n", "models: 3\nx:\n", "11:1", "'x' is not known", "Known here"},
         Case{kGood, "{ballast: 1, models: 3}", "1:22", "models is a plain value, but a list is needed", "-"},
         Case{kGood, "{ballast: 1, models: [3]}", "1:23", "models is a plain value, but a map is needed",
              "key: value"}));
+
+INSTANTIATE_TEST_SUITE_P(Frames, Broken,
+                         testing::Values(Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: tan", "29:50",
+                                              "no model 'tan'", "'tank'"},
+                                         Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: disc", "29:50",
+                                              "'disc' moves freely", "static or prescribed"},
+                                         Case{"force_on: tank", "force_on: tank, moves_with: tank", "30:35",
+                                              "probes at a place", "Remove moves_with"}));
+
+INSTANTIATE_TEST_SUITE_P(Attraction, Broken,
+                         testing::Values(Case{"world:", "world:\n  attraction: { rate: 1 Hz }", "12:5",
+                                              "would not act on the model 'tank'", "Remove"},
+                                         Case{"world:", "world:\n  attraction: { centre: [1, 0, 0] }", "3:25",
+                                              "without a rate", "1/s"}));
 
 INSTANTIATE_TEST_SUITE_P(
     References, Broken,
@@ -176,7 +199,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }",
                          "{ inside: { models: disc, container: rod } }", "35:42", "'rod' has no inside", "open_box"},
                     Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }", "{ lost_particles: 3 }", "35:23",
-                         "never expected", "0"},
+                         "neither 0 nor a share", "5 %"},
                     Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: tnak, z: 1 } }", "9:33",
                          "'tnak' is not a model", "'tank'"},
                     Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: rod, z: 1 } }", "9:33",

@@ -1,0 +1,51 @@
+// The rules of `auto`. Figures behind them: README.md.
+#include "launch/choose.h"
+
+#include <algorithm>
+
+namespace ballast::launch {
+
+namespace {
+
+bool moves_freely(const Scene& scene, const std::string& name) {
+  return std::ranges::any_of(scene.models,
+                             [&](const Model& m) { return m.name == name && m.motion == Motion::kDynamic; });
+}
+
+/// Why the explicit solver, for this scene. There is no kind of scene yet for which the implicit one is the better
+/// choice without a word from the user.
+std::string why_explicit(const Scene& scene) {
+  if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
+    return "bodies move freely, and only with it do films of water under and between them bear what they should";
+  if (scene.world.dimension == 2 || scene.world.accuracy != Accuracy::kInteractive)
+    return "the implicit solver takes as long to four times as long here";
+  return "the implicit solver is as fast here, but its pressure at rest is noisier, and with the cubic spline it can "
+         "throw still water up";
+}
+
+}  // namespace
+
+Choices choose(Scene& scene) {
+  Choices choices;
+  if (scene.fluids.empty()) return choices;
+  if (scene.numerics.pressure == Pressure::kAuto) {
+    scene.numerics.pressure = Pressure::kWcsph;
+    choices.pressure_reason = why_explicit(scene);
+  }
+  if (scene.coupling.scheme != "auto") return choices;
+  const auto joint = std::ranges::find_if(scene.joints, [&](const Joint& j) {
+    if (j.kind == JointKind::kFixed && !moves_freely(scene, j.parent)) return false;  // held: it does not move at all
+    return moves_freely(scene, j.child) || moves_freely(scene, j.parent);
+  });
+  if (joint != scene.joints.end()) {
+    scene.coupling.scheme = "iterated";
+    choices.scheme_reason =
+        "joint '" + joint->name + "' bears what the fluid cannot foresee, and few repetitions settle it";
+  } else if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion != Motion::kStatic; })) {
+    scene.coupling.scheme = "interlinked";
+    choices.scheme_reason = "one exchange a step is exact for bodies without joints, but where they touch";
+  }
+  return choices;
+}
+
+}  // namespace ballast::launch

@@ -1,0 +1,158 @@
+"""Experiments with loads: pressure on an obstacle, force on a pillar, waves in a tank that is moved. Tables from --references."""
+
+import math
+
+import numpy as np
+
+from case import Case, Chart, Measure, Outcome
+from metrics import NoFigure, nrmse, relative, resample
+from references import read_table
+
+Array = np.ndarray
+G = 9.81  # m/s^2, as in the scenes
+
+# X3
+
+COLUMN = 0.55  # m, height of the water
+OBSTACLE = "dambreak_obstacle_kleefsman_2005_p{}.csv"
+
+
+def sensor(number: int):
+    def curve(run: Outcome) -> tuple[Array, Array]:
+        """t sqrt(g / H) and p / (rho g H)."""
+        t, p = run.series(f"p{number}")
+        return t * math.sqrt(G / COLUMN), p / (1000 * G * COLUMN)
+
+    return curve
+
+
+def measured(number: int, folders: list, until: float = 6.3) -> tuple[Array, Array]:
+    table = read_table(OBSTACLE.format(number), folders)
+    at = table["t_star"] <= until
+    return table["t_star"][at], table["p_star"][at]
+
+
+def rise(t: Array, p: Array) -> float:
+    """When p first passes 0.2."""
+    above = np.nonzero(p > 0.2)[0]
+    if above.size == 0:
+        raise NoFigure("no pressure at the sensor")
+    return float(t[above[0]])
+
+
+def pressure_error(number: int):
+    def error(run: Outcome) -> float:
+        t, p = measured(number, run.references)
+        return nrmse(resample(*sensor(number)(run), t), p)
+
+    return error
+
+
+OBSTACLE_HIT = Case(
+    id="X3",
+    title="Dam break on an obstacle",
+    why="the front of the wave is thinner than a spacing and comes late (13 % at 4 cm); the peaks are single rows of 2 ms where a few particles hit, and the sensor is one kernel",
+    scene="report/obstacle",
+    about="A column of 1.228 x 1 x 0.55 m collapses in a tank of 3.22 m on a box of 0.161 m; pressure on its near face 0.021 m (P1) and 0.101 m (P3) above "
+    "the bed. Half of the tank. The sensor is as wide as the kernel, not a disc.",
+    source="K.M.T. Kleefsman et al., J. Comput. Phys. 206 (2005) 363-393, digitised; P1 rises at t sqrt(g / H) = 1.67",
+    resolutions=(("coarse", 0.05), ("10s", 0.04), ("1min", 0.028), ("10min", 0.02)),
+    measures=(
+        Measure(
+            "P1, first rise",
+            "%",
+            lambda r: relative(rise(*sensor(1)(r)), rise(*measured(1, r.references))),
+            (0.06, 0.03, 0.02),
+        ),
+        Measure(
+            "P1, peak",
+            "%",
+            lambda r: relative(float(sensor(1)(r)[1].max()), float(measured(1, r.references)[1].max())),
+            (0.5, 0.3, 0.2),
+        ),
+        Measure("P1, NRMSE", "%", pressure_error(1), (0.25, 0.18, 0.12)),
+        Measure("P3, NRMSE", "%", pressure_error(3)),
+    ),
+    chart=Chart(
+        "t sqrt(g / H)", "P1 / (rho g H)", sensor(1), lambda v, f: measured(1, f), "Kleefsman et al. 2005", points=True
+    ),
+)
+
+# X8
+
+FORCE = "dambreak_pillar_yeh_petroff_force.csv"
+
+
+def force_measured(folders: list) -> tuple[Array, Array]:
+    table = read_table(FORCE, folders)
+    at = (table["t_s"] >= 0) & (table["t_s"] <= 1.45)
+    return table["t_s"][at], table["F_N"][at]
+
+
+def force_on_pillar(run: Outcome) -> tuple[Array, Array]:
+    return run.series("pillar.fx")
+
+
+def peak(t: Array, force: Array) -> float:
+    return float(force.max())
+
+
+def force_error(run: Outcome) -> float:
+    t, force = force_measured(run.references)
+    return nrmse(resample(*force_on_pillar(run), t), force)
+
+
+PILLAR = Case(
+    id="X8",
+    title="Bore on a pillar",
+    scene="report/pillar",
+    about="A column of 0.4 x 0.61 x 0.3 m collapses in a tank of 1.6 m and hits a square pillar of 0.12 m; streamwise force up to 1.45 s. In the "
+    "experiment a layer of 1 cm lay on the bed, thinner than a spacing of all but the finest level and left out.",
+    source="H. Yeh and C. Petroff, as plotted by P.E. Raad and R. Bidoae, J. Comput. Phys. 203 (2005) 668-699, digitised",
+    resolutions=(("coarse", 0.04), ("10s", 0.03), ("1min", 0.02), ("10min", 0.012)),
+    measures=(
+        Measure(
+            "largest force",
+            "%",
+            lambda r: relative(peak(*force_on_pillar(r)), peak(*force_measured(r.references))),
+            (0.4, 0.25, 0.15),
+        ),
+        Measure("force, NRMSE", "%", force_error, (0.25, 0.18, 0.12)),
+    ),
+    chart=Chart("t (s)", "force (N)", force_on_pillar, lambda v, f: force_measured(f), "Yeh and Petroff", points=True),
+)
+
+# X9
+
+SLOSHING = "sloshing_faltinsen_2000_hw06_T13.csv"
+
+
+def elevation(run: Outcome) -> tuple[Array, Array]:
+    t, z = run.series("gauge")
+    return t, z - 0.6
+
+
+def gauge(folders: list) -> tuple[Array, Array]:
+    table = read_table(SLOSHING, folders)
+    return table["t_s"], table["eta_m"]
+
+
+def elevation_error(run: Outcome) -> float:
+    t, eta = gauge(run.references)
+    return nrmse(resample(*elevation(run), t), eta)
+
+
+SWAY = Case(
+    id="X9",
+    title="Sloshing",
+    why="the table starts like a tank let go at the end of its way: rows before 0.5 s grow with the square of time. A prescribed motion starts in the middle of it, at full speed, so that the waves are out of step from the start; motions with a phase are not built",
+    scene="report/sloshing",
+    about="A tank of 1.73 m with water 0.6 m deep is moved by 32 mm with a period of 1.3 s, near its own 1.6 s, for 10 s; height of the water at a gauge 0.05 m "
+    "from a wall that moves along. The tank starts with its full speed.",
+    source="O.M. Faltinsen et al., J. Fluid Mech. 407 (2000) 201-234, fig. 7, digitised",
+    resolutions=(("coarse", 0.04), ("10s", 0.03), ("1min", 0.02), ("10min", 0.0125)),
+    measures=(Measure("elevation, NRMSE", "%", elevation_error, (0.2, 0.12, 0.08)),),
+    chart=Chart("t (s)", "elevation (m)", elevation, lambda v, f: gauge(f), "Faltinsen et al. 2000", points=True),
+)
+
+CASES = (OBSTACLE_HIT, PILLAR, SWAY)

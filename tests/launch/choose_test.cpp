@@ -1,0 +1,66 @@
+// What `auto` becomes, and that it says why.
+#include "launch/choose.h"
+
+#include <gtest/gtest.h>
+
+namespace ballast::launch {
+namespace {
+
+Scene crate_in_water() {
+  Scene scene;
+  scene.fluids.resize(1);
+  scene.models.resize(2);
+  scene.models[0].name = "tank";
+  scene.models[0].motion = Motion::kStatic;
+  scene.models[1].name = "crate";
+  return scene;
+}
+
+TEST(Choose, WhatTheSceneSaysStays) {
+  Scene scene = crate_in_water();
+  scene.numerics.pressure = Pressure::kImplicit;
+  scene.coupling.scheme = "staggered";
+  const Choices choices = choose(scene);
+  EXPECT_EQ(scene.numerics.pressure, Pressure::kImplicit);
+  EXPECT_EQ(scene.coupling.scheme, "staggered");
+  EXPECT_EQ(choices.pressure_reason + choices.scheme_reason, "");
+}
+
+TEST(Choose, AJointInWaterIsIteratedAndNamed) {
+  Scene scene = crate_in_water();
+  EXPECT_NE(choose(scene).scheme_reason, "");
+  EXPECT_EQ(scene.coupling.scheme, "interlinked");
+  scene.coupling.scheme = "auto";
+  scene.joints.resize(1);
+  Joint& joint = scene.joints[0];
+  joint.name = "hinge", joint.kind = JointKind::kRevolute, joint.parent = "world", joint.child = "crate";
+  EXPECT_NE(choose(scene).scheme_reason.find("'hinge'"), std::string::npos);
+  EXPECT_EQ(scene.coupling.scheme, "iterated");
+  scene.coupling.scheme = "auto";
+  joint.kind = JointKind::kFixed;
+  choose(scene);
+  EXPECT_EQ(scene.coupling.scheme, "interlinked") << "held by the world";
+}
+
+TEST(Choose, WithoutFluidOrMotionThereIsNothingToChoose) {
+  Scene dry = crate_in_water();
+  dry.fluids.clear();
+  EXPECT_EQ(choose(dry).scheme_reason, "");
+  EXPECT_EQ(dry.coupling.scheme, "auto");
+  Scene still = crate_in_water();
+  still.models.pop_back();
+  EXPECT_EQ(choose(still).scheme_reason, "");
+}
+
+TEST(Choose, TheSolverIsTheExplicitOneAndTheReasonFitsTheScene) {
+  Scene scene = crate_in_water();
+  EXPECT_NE(choose(scene).pressure_reason.find("bodies move freely"), std::string::npos);
+  EXPECT_EQ(scene.numerics.pressure, Pressure::kWcsph);
+  Scene empty = crate_in_water();
+  empty.models.pop_back();
+  empty.world.accuracy = Accuracy::kInteractive;
+  EXPECT_NE(choose(empty).pressure_reason.find("still water"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ballast::launch
