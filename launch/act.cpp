@@ -12,7 +12,6 @@
 
 namespace ballast::launch {
 
-using exchange::Command;
 using exchange::CommandKind;
 using nlohmann::json;
 
@@ -22,7 +21,7 @@ struct Wanted {
   const RunCommand& command;
   const Scene& scene;
 
-  std::optional<std::string> body(Command& out) const {
+  std::optional<std::string> body(exchange::Command& out) const {
     std::vector<std::string> names;
     for (const Model& m : scene.models) names.push_back(m.name);
     const auto found = std::ranges::find(names, command.body);
@@ -51,7 +50,7 @@ std::optional<std::string> off_plane(const char* what, bool flat, std::span<cons
   return {};
 }
 
-std::optional<std::string> wrench(const Wanted& w, Command& out) {
+std::optional<std::string> wrench(const Wanted& w, exchange::Command& out) {
   const RunCommand& c = w.command;
   out.kind = CommandKind::kWrench;
   out.duration = c.duration;
@@ -65,7 +64,7 @@ std::optional<std::string> wrench(const Wanted& w, Command& out) {
   return off_plane("the torque", w.flat(), c.torque, true);
 }
 
-std::optional<std::string> pose(const Wanted& w, Command& out) {
+std::optional<std::string> pose(const Wanted& w, exchange::Command& out) {
   const RunCommand& c = w.command;
   out.kind = CommandKind::kPose;
   if (auto why = unusable("the position", c.position)) return why;
@@ -87,7 +86,7 @@ std::optional<std::string> pose(const Wanted& w, Command& out) {
   return {};
 }
 
-std::optional<std::string> gravity(const Wanted& w, Command& out) {
+std::optional<std::string> gravity(const Wanted& w, exchange::Command& out) {
   out.kind = CommandKind::kGravity;
   std::ranges::copy(w.command.gravity, out.values);
   if (auto why = unusable("the gravity", w.command.gravity)) return why;
@@ -103,8 +102,8 @@ bool acts(const RunCommand& command) {
   return command.action == "wrench" || command.action == "pose" || command.action == "gravity";
 }
 
-Result<Command> to_exchange(const RunCommand& command, const Prepared& prepared) {
-  Command out{};
+Result<exchange::Command> to_exchange(const RunCommand& command, const Prepared& prepared) {
+  exchange::Command out{};
   const Wanted wanted{command, prepared.scene};
   std::optional<std::string> why;
   if (command.action != "gravity") why = wanted.body(out);

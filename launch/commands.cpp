@@ -7,15 +7,11 @@
 
 #include "common/output/columns.h"
 #include "launch/prepare.h"
+#include "launch/say.h"
 
 namespace ballast::launch {
 
 namespace {
-
-int fail(const Error& error) {
-  fmt::print(stderr, "ballast: {}\n", error.text());
-  return error.exit_code;
-}
 
 std::string contents(const Prepared& p) {
   const auto count = [&](Motion motion) {

@@ -28,15 +28,15 @@ constexpr std::size_t kItemBytes = 256;       // what an item costs beside its p
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 constexpr auto kFarewell = std::chrono::milliseconds(500);  // to send what is left at the end
 
-struct FrameItem {
-  Role role;
-  Frame frame;
-};
-using Item = std::variant<FrameItem, RunStatus>;
-
 }  // namespace
 
 struct Publisher::Worker {
+  struct FrameItem {
+    Role role;
+    Frame frame;
+  };
+  using Item = std::variant<FrameItem, RunStatus>;
+
   Worker(const Prepared& prepared, std::string where)
       : url(std::move(where)), lcm(std::make_unique<lcm::LCM>(url)), facts(MessageFacts::of(prepared)) {}
 
@@ -159,7 +159,7 @@ void Publisher::take(Role role, Frame&& frame) {
     if (frame.head.kind == silent) return;
   if (frame.head.kind == FrameKind::kBodies && role != Role::kRigid) return;  // as the collector: theirs alone count
   const std::size_t bytes = kItemBytes + frame.payload.size();
-  worker_->queue.offer(FrameItem{role, std::move(frame)}, bytes);
+  worker_->queue.offer(Worker::FrameItem{role, std::move(frame)}, bytes);
 }
 
 void Publisher::status(const RunStatus& status) {

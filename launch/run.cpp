@@ -36,11 +36,6 @@ using exchange::Segment;
 
 namespace {
 
-int fail(const Error& error) {
-  say(stderr, "ballast: {}\n", error.text());
-  return error.exit_code;
-}
-
 /// The outputs' folder, held by this run alone while it lives.
 class OutDir {
  public:

@@ -12,6 +12,7 @@
 
 #include "common/result.h"
 #include "launch/children.h"
+#include "launch/say.h"
 #include "msgs/url.h"
 
 namespace ballast::launch {
@@ -19,11 +20,6 @@ namespace ballast::launch {
 namespace {
 
 namespace fs = std::filesystem;
-
-int fail(const Error& error) {
-  fmt::print(stderr, "ballast: {}\n", error.text());
-  return error.exit_code;
-}
 
 std::string find_jar(const std::string& name) {
   for (const char* folder : {"/usr/share/java/", "/usr/local/share/java/"}) {

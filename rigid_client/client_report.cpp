@@ -26,7 +26,7 @@ using nlohmann::json;
 constexpr double kJitterFrom = 0.5;     // s: what the release of bodies at t = 0 shakes is not jitter
 constexpr std::size_t kRowValues = 22;  // per body: as output/columns.h lists them
 
-Map<const Vector3d> vec(const double* p) { return Map<const Vector3d>(p); }
+Map<const Vector3d> vector(const double* p) { return Map<const Vector3d>(p); }
 json vector_json(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::uint64_t resident_bytes() {
@@ -45,14 +45,14 @@ double force_mismatch(std::span<const exchange::Wrench> wrenches, std::span<cons
   std::vector<Vector3d> sum(wrenches.size(), Vector3d::Zero());
   std::vector<bool> touched(wrenches.size(), false);
   for (const auto& c : contacts) {
-    sum[c.body] += vec(c.force);
+    sum[c.body] += vector(c.force);
     touched[c.body] = true;
   }
   double worst = 0, scale = 0;
   for (std::size_t b = 0; b < wrenches.size(); ++b) {
     if (!touched[b]) continue;
-    scale = std::max(scale, vec(wrenches[b].force).norm());
-    worst = std::max(worst, (sum[b] - vec(wrenches[b].force)).norm());
+    scale = std::max(scale, vector(wrenches[b].force).norm());
+    worst = std::max(worst, (sum[b] - vector(wrenches[b].force)).norm());
   }
   return scale > 0 ? worst / scale : 0;
 }
@@ -125,14 +125,15 @@ void ClientReport::count_momentum(const StepRecord& step) {
   const double dt = step.report.dt;
   for (std::size_t b = 0; b < step.wrenches.size(); ++b) {
     if (manifest_.bodies[b].motion == BodyMotion::kStatic) continue;
-    const Vector3d impulse = vec(step.wrenches[b].force) * dt;
+    const Vector3d impulse = vector(step.wrenches[b].force) * dt;
     impulse_[b] += impulse;
     impulse_total_ += impulse;
     impulse_scale_ += impulse.norm();
     if (step.asleep) continue;  // a force without a way
     const BodyState &old = last_.states[b], &now = step.states[b];
-    work_ += 0.5 * impulse.dot(vec(old.velocity) + vec(now.velocity)) +
-             0.5 * dt * vec(step.wrenches[b].torque).dot(vec(old.angular_velocity) + vec(now.angular_velocity));
+    work_ +=
+        0.5 * impulse.dot(vector(old.velocity) + vector(now.velocity)) +
+        0.5 * dt * vector(step.wrenches[b].torque).dot(vector(old.angular_velocity) + vector(now.angular_velocity));
   }
 }
 
@@ -140,7 +141,7 @@ void ClientReport::count_jitter(const StepRecord& step) {
   if (step.asleep || step.report.time - step.report.dt < kJitterFrom) return;
   ++jitter_steps_;
   for (std::size_t b = 0; b < step.states.size(); ++b) {
-    const double change = (vec(step.states[b].acceleration) - vec(last_.states[b].acceleration)).norm();
+    const double change = (vector(step.states[b].acceleration) - vector(last_.states[b].acceleration)).norm();
     jitter_max_[b] = std::max(jitter_max_[b], change);
     jitter_sum_[b] += change;
   }
@@ -153,12 +154,12 @@ double ClientReport::energy(std::span<const BodyState> states) const {
     if (r.motion != BodyMotion::kDynamic) continue;
     const BodyState& s = states[b];
     const Eigen::Quaterniond q(s.orientation[0], s.orientation[1], s.orientation[2], s.orientation[3]);
-    const Vector3d w = q.conjugate() * Vector3d(vec(s.angular_velocity));
+    const Vector3d w = q.conjugate() * Vector3d(vector(s.angular_velocity));
     const double* i = r.inertia;
     Eigen::Matrix3d inertia;
     inertia << i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2];
-    sum += 0.5 * r.mass * vec(s.velocity).squaredNorm() + 0.5 * w.dot(inertia * w) -
-           r.mass * vec(gravity_.data()).dot(vec(s.position));
+    sum += 0.5 * r.mass * vector(s.velocity).squaredNorm() + 0.5 * w.dot(inertia * w) -
+           r.mass * vector(gravity_.data()).dot(vector(s.position));
   }
   return sum;
 }

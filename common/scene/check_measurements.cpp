@@ -61,9 +61,9 @@ std::vector<std::string> columns_near(const Scene& scene, const std::string& own
   return columns.empty() ? owners : columns;
 }
 
-class Checker {
+class MeasurementChecker {
  public:
-  Checker(const Scene& scene, ReadState& state) : scene_(scene), state_(state), models_(model_names(scene)) {
+  MeasurementChecker(const Scene& scene, ReadState& state) : scene_(scene), state_(state), models_(model_names(scene)) {
     for (const Fluid& fluid : scene.fluids) fluids_.push_back(fluid.name);
   }
 
@@ -250,6 +250,6 @@ Quantity column_quantity(std::string_view column) {
   return kAnyQuantity;
 }
 
-void check_measurements(const Scene& scene, ReadState& state) { Checker(scene, state).run(); }
+void check_measurements(const Scene& scene, ReadState& state) { MeasurementChecker(scene, state).run(); }
 
 }  // namespace ballast::scene

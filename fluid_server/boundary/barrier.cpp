@@ -12,8 +12,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Of a spacing: particles farther than this from every sample are at least 0.1 spacings above every surface.
 constexpr double kNear = 0.95;
-constexpr double kComeOut = 0.2;  // of its depth that a particle rises in a step
-constexpr int kSweeps = 30;       // over contacts, at most
+constexpr double kComeOut = 0.2;    // of its depth that a particle rises in a step
+constexpr int kContactSweeps = 30;  // over contacts, at most
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const 
   const double dt = constants.dt;
   motion_.assign(states.size(), Vector6::Zero());
   const auto mobility = [&](std::uint32_t b) { return mobility_of(states[b]); };
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kContactSweeps; ++sweep) {
     bool changed = false;
     for (Contact& c : contacts_) {
       const Vec3 body = motion_[c.body].head<3>() + motion_[c.body].tail<3>().cross(c.arm);

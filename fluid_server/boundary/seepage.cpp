@@ -16,7 +16,7 @@ constexpr double kRough = 0.05;               // gap of solids that touch, spaci
 constexpr double kOneSide = 0.7;              // cosine between normals of one film
 constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
 constexpr double kMostChange = 0.5;           // share of a film's area that closing a body may add or take
-constexpr int kSweeps = 20;                   // over the films of all bodies: stacks of ten
+constexpr int kFilmSweeps = 20;               // over the films of all bodies: stacks of ten
 constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
 
 }  // namespace
@@ -220,7 +220,7 @@ void Seepage::press(std::span<const exchange::BodyState> states, std::span<const
     };
     return film.normal.normalized().dot(at(film.other) - at(film.body));
   };
-  for (int sweep = 0; sweep < kSweeps; ++sweep)  // projected Gauss-Seidel: each film in turn as far as it may
+  for (int sweep = 0; sweep < kFilmSweeps; ++sweep)  // projected Gauss-Seidel: each film in turn as far as it may
     for (Film& film : films_) {
       const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
       const double fastest = gap / way * std::sqrt(2 * film.force / film.area / density_);

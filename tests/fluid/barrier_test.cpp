@@ -76,7 +76,7 @@ TEST(Barrier, StopsWhatWouldPassTheFloorAndHandsItsMomentumOn) {
   EXPECT_LT((given + gained).norm(), 1e-5 * given.norm());
 }
 
-class SqueezeBy : public testing::TestWithParam<double> {};
+class SqueezeBy : public ::testing::TestWithParam<double> {};
 
 TEST_P(SqueezeBy, APlateOfAnyDensityConservesMomentumAndLeavesNoParticleInASolid) {
   Squeeze squeeze(GetParam());
@@ -97,7 +97,7 @@ TEST_P(SqueezeBy, APlateOfAnyDensityConservesMomentumAndLeavesNoParticleInASolid
   EXPECT_LT(to_plate[2], 1.5 * 60 * (squeeze.bodies[1].mass + before.mass));
 }
 
-INSTANTIATE_TEST_SUITE_P(Density, SqueezeBy, testing::Values(1, 100, 1000, 8000));
+INSTANTIATE_TEST_SUITE_P(Density, SqueezeBy, ::testing::Values(1, 100, 1000, 8000));
 
 }  // namespace
 }  // namespace ballast::fluid

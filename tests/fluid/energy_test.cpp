@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kG = 9.81, kMass = 1000 * 0.4 * 0.4;  // of the block of water, kg per metre of depth
 
-struct Energy : testing::Test {
+struct Energy : ::testing::Test {
   Scene scene;
   std::vector<Body> bodies;
   std::unique_ptr<WcsphFluid> fluid;

@@ -89,7 +89,7 @@ TEST(Fill, StrainStretchesAlongXAboutTheCentre) {
 }
 
 /// A box half under water between two channels, shifted by shares of a spacing against the lattice.
-class Shifted : public testing::TestWithParam<double> {
+class Shifted : public ::testing::TestWithParam<double> {
  protected:
   Shifted() {
     scene_.world.dimension = 2;
@@ -133,7 +133,7 @@ TEST_P(Shifted, RelaxingEndsWithAnEvenFluidBelowItsSurface) {
   for (const Vec3& p : places()) EXPECT_LT(p[2], 1) << "a particle left through the surface at x = " << p[0];
 }
 
-INSTANTIATE_TEST_SUITE_P(BySpacings, Shifted, testing::Values(0.0, 0.1, 0.25, 0.26, 0.4, 0.5));
+INSTANTIATE_TEST_SUITE_P(BySpacings, Shifted, ::testing::Values(0.0, 0.1, 0.25, 0.26, 0.4, 0.5));
 
 }  // namespace
 }  // namespace ballast::fluid

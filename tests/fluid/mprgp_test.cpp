@@ -76,7 +76,7 @@ struct Case {
   double light;  // strength of a rank-one part: a light body
 };
 
-class Random : public testing::TestWithParam<Case> {};
+class Random : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Random, GivesTheMinimiser) {
   const auto [n, seed, light] = GetParam();
@@ -117,7 +117,7 @@ std::vector<Case> cases() {
     for (unsigned seed = 1; seed <= 8; ++seed) out.push_back({n, seed, seed % 2 ? 0.0 : 100.0});
   return out;
 }
-INSTANTIATE_TEST_SUITE_P(Sizes, Random, testing::ValuesIn(cases()));
+INSTANTIATE_TEST_SUITE_P(Sizes, Random, ::testing::ValuesIn(cases()));
 
 TEST(Mprgp, AProductLimitIsReportedAsUnreached) {
   const Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3);

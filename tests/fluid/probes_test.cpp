@@ -8,7 +8,7 @@
 namespace ballast::fluid {
 namespace {
 
-class Turning : public testing::TestWithParam<int> {
+class Turning : public ::testing::TestWithParam<int> {
  protected:
   Turning() {
     Scene scene;
@@ -61,7 +61,7 @@ TEST_P(Turning, ThereIsNoVelocityAwayFromTheFluid) {
   EXPECT_EQ(velocity_at(*fluid_, {1.4, 0, 0.5}), Vec3::Zero().eval());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dimensions, Turning, testing::Values(2, 3));
+INSTANTIATE_TEST_SUITE_P(Dimensions, Turning, ::testing::Values(2, 3));
 
 }  // namespace
 }  // namespace ballast::fluid

@@ -110,9 +110,9 @@ TEST(Act, KeepsToThePlaneInDimension2) {
   EXPECT_TRUE(to_exchange(c, p));
 }
 
-struct Replays : testing::Test {
+struct Replays : ::testing::Test {
   // Of this process alone: ctest runs these tests side by side.
-  const std::string path = testing::TempDir() + "/ballast_act_record_" + std::to_string(getpid()) + ".json";
+  const std::string path = ::testing::TempDir() + "/ballast_act_record_" + std::to_string(getpid()) + ".json";
   ~Replays() override { std::filesystem::remove(path); }
 };
 

@@ -38,7 +38,7 @@ struct Ended {
   std::string text;  // standard output and error
 };
 
-struct Cli : testing::Test {
+struct Cli : ::testing::Test {
   fs::path folder = fs::temp_directory_path() / ("ballast_cli_" + std::to_string(getpid()));
   std::string program = std::string(BALLAST_BIN_DIR) + "/ballast_coordinator";
 

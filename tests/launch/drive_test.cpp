@@ -21,7 +21,7 @@ using exchange::Role;
 using exchange::Segment;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kScene = R"(
+constexpr const char* kDrop = R"(
 ballast: 1
 world: { duration: 1 s, spacing: 0.1 }
 fluids:
@@ -31,7 +31,7 @@ models:
 )";
 
 Prepared make_prepared(bool fluid, bool rigid) {
-  auto scene = read_scene_text(kScene, "test.yaml");
+  auto scene = read_scene_text(kDrop, "test.yaml");
   EXPECT_TRUE(scene) << scene.error().text();
   auto bodies = make_bodies(*scene);
   EXPECT_TRUE(bodies);
@@ -71,7 +71,7 @@ int play(const std::string& name, Role role, const Script& script) {
   return link.finish(kFine, R"({"state_hash": "1"})") ? 0 : 1;
 }
 
-struct Drive : testing::Test {
+struct Drive : ::testing::Test {
   std::string out = (std::filesystem::temp_directory_path() / ("ballast_drive_" + std::to_string(getpid()))).string();
   std::vector<pid_t> pids;
   Table bodies;

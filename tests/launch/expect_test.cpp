@@ -14,7 +14,7 @@ namespace ballast::launch {
 namespace {
 
 /// A tank and two balls of half the density of water; ball_a rises with 2 m/s^2 from rest, ball_b stands still.
-struct Fixture : testing::Test {
+struct Fixture : ::testing::Test {
   Scene scene;
   std::vector<Body> bodies;
   Table body_rows, probe_rows;

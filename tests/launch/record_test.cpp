@@ -25,7 +25,7 @@ TEST(MomentumImbalance, IsUnknownWhenOneSideIsSilentOrThereIsNoScale) {
   EXPECT_FALSE(momentum_imbalance(fluid_report({4, 4, 1}, 0), rigid_report({1, 0, 1})));
 }
 
-struct Record : testing::Test {
+struct Record : ::testing::Test {
   std::unique_ptr<Prepared> prepared;
   std::optional<Collector> collector;
   Outcome outcome;
@@ -40,7 +40,7 @@ struct Record : testing::Test {
     ASSERT_TRUE(bodies);
     prepared = std::make_unique<Prepared>(Prepared{std::move(*scene), std::move(*bodies), false, true, {}});
     prepared->left_out.push_back({"fluid process", "no fluid in this scene", "a process", "none"});
-    auto made = Collector::make(prepared->scene, false, true, testing::TempDir());
+    auto made = Collector::make(prepared->scene, false, true, ::testing::TempDir());
     ASSERT_TRUE(made);
     collector.emplace(std::move(*made));
     outcome.rigid = {{"state_hash", "00ff"}, {"rss_bytes", 5000000}, {"warnings", {"slow"}}};

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-struct Savings : testing::Test {
+struct Savings : ::testing::Test {
   std::unique_ptr<Prepared> prepared;
   Outcome outcome;
   json rows;
@@ -21,7 +21,7 @@ struct Savings : testing::Test {
     auto made = prepare(std::move(*scene), "some.yaml");
     ASSERT_TRUE(made) << made.error().text();
     prepared = std::make_unique<Prepared>(std::move(*made));
-    auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, testing::TempDir());
+    auto collector = Collector::make(prepared->scene, prepared->fluid, prepared->rigid, ::testing::TempDir());
     ASSERT_TRUE(collector);
     rows = savings(*prepared, outcome, *collector);
   }
@@ -73,7 +73,7 @@ TEST_F(Savings, OfSleepAreWhatTheFluidMeasured) {
   EXPECT_EQ(row("steps asleep")["saved_s"], 7.5);
   EXPECT_THAT(row("steps asleep")["difference"].get<std::string>(), HasSubstr("0.02 m"));
   const json record{{"left_out", rows}, {"sleep", outcome.fluid["sleep"]}};
-  EXPECT_THAT(savings_lines(record), testing::Contains(HasSubstr("7.5 s")));
+  EXPECT_THAT(savings_lines(record), ::testing::Contains(HasSubstr("7.5 s")));
   EXPECT_THAT(sleep_line(record), HasSubstr("asleep for 4 s of simulated time, from t = 1 s"));
 }
 

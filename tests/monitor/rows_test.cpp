@@ -13,8 +13,8 @@
 namespace ballast::monitor {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 template <class Message>
 std::vector<std::byte> encoded(const Message& message) {
@@ -80,8 +80,8 @@ TEST(Rows, OfParallelListsAreTheirEntriesTogether) {
   ASSERT_EQ(out.rows.size(), 3u);
   EXPECT_EQ(out.rows[2].size(), out.columns.size());
   EXPECT_EQ(out.rows[2].back(), "3");
-  EXPECT_THAT(out.rows[2], testing::Contains("20"));
-  EXPECT_THAT(out.rows[2], testing::Contains("0.3"));
+  EXPECT_THAT(out.rows[2], ::testing::Contains("20"));
+  EXPECT_THAT(out.rows[2], ::testing::Contains("0.3"));
 }
 
 TEST(Rows, OfAnEmptyListAreNone) {

@@ -8,7 +8,7 @@
 namespace ballast::monitor {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 template <class Message>
 void hear(View& view, const char* channel, const Message& message) {

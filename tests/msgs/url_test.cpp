@@ -8,7 +8,7 @@
 namespace ballast::msgs {
 namespace {
 
-struct Url : testing::Test {
+struct Url : ::testing::Test {
   void SetUp() override { unsetenv("LCM_DEFAULT_URL"); }
   void TearDown() override { unsetenv("LCM_DEFAULT_URL"); }
 };

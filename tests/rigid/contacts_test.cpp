@@ -8,8 +8,6 @@ namespace ballast::testing {
 using Contacts = EveryEngine;
 FOR_EVERY_ENGINE(Contacts);
 
-constexpr double kGravity = 9.81;
-
 /// Gravity turned by `angle` in the plane x-z, so that a level floor is an incline descending towards +x.
 void incline(World& world, double angle) {
   put(world.manifest.world.gravity, kGravity * Vec(std::sin(angle), 0, -std::cos(angle)));

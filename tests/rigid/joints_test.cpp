@@ -9,8 +9,6 @@ namespace ballast::testing {
 using Joints = EveryEngine;
 FOR_EVERY_ENGINE(Joints);
 
-constexpr double kGravity = 9.81;
-
 /// Rod of length l hanging from the origin in the plane x-z, turned by theta from hanging down.
 std::uint32_t hang_rod(World& world, double mass, double l, double theta, int parent, const Vec& pivot) {
   const Vec centre = pivot + 0.5 * l * Vec(-std::sin(theta), 0, -std::cos(theta));

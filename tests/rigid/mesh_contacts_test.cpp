@@ -14,8 +14,6 @@ FOR_EVERY_ENGINE(MeshContacts);
 
 namespace {
 
-constexpr double kGravity = 9.81;
-
 struct Mesh {
   std::vector<Vec> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;

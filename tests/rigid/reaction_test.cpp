@@ -7,7 +7,7 @@
 namespace ballast::testing {
 namespace {
 
-constexpr double kMass = 2, kGravity = 9.81;
+constexpr double kMass = 2;
 
 /// What the fluid is told of body b: linear acceleration without the wrench.
 Vec free_acceleration(Simulation& run, std::size_t b) {

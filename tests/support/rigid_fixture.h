@@ -27,6 +27,8 @@ using exchange::ShapeRecord;
 using exchange::ShapeType;
 using exchange::Wrench;
 
+inline constexpr double kGravity = 9.81;  // m/s^2
+
 inline Vec vec(const double* p) { return {p[0], p[1], p[2]}; }
 inline void put(double* p, const Vec& v) { p[0] = v.x(), p[1] = v.y(), p[2] = v.z(); }
 inline Eigen::Quaterniond quat(const BodyState& s) {

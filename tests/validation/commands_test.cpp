@@ -34,10 +34,6 @@ struct Commands : ::testing::Test {
   }
 };
 
-json at(int step, json command) {
-  command["step"] = step;
-  return command;
-}
 json wrench(const char* body, json force, double duration) {
   return {
       {"action", "wrench"}, {"body", body}, {"force_N", force}, {"torque_N_m", {0, 0, 0}}, {"duration_s", duration}};

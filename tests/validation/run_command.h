@@ -146,6 +146,12 @@ class Command {
   std::set<std::string> seen_;
 };
 
+/// A command of a record, to be carried out after a step.
+inline nlohmann::json at(int step, nlohmann::json command) {
+  command["step"] = step;
+  return command;
+}
+
 inline std::string scene(const std::string& name) { return BALLAST_SOURCE_DIR "/scenes/" + name + ".yaml"; }
 
 }  // namespace ballast::testing

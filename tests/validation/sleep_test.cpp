@@ -67,11 +67,6 @@ struct Sleep : ::testing::Test {
   }
 };
 
-json at(int step, json command) {
-  command["step"] = step;
-  return command;
-}
-
 TEST_F(Sleep, StopsBeforeAPaddleMovesAndNoRowIsMissing) {
   const std::string tank = write("tank.yaml", kTank);
   const json asleep = run("a", {tank}), awake = run("b", {tank, "--set", "world.sleep.speed=0"});

@@ -50,7 +50,7 @@ struct Everything {
   }
 };
 
-struct Part : testing::Test {
+struct Part : ::testing::Test {
   std::string folder =
       (fs::temp_directory_path() / ("ballast_checkpoint_" + std::to_string(getpid())) / "000000000007").string();
   void TearDown() override { fs::remove_all(fs::path(folder).parent_path()); }

@@ -9,7 +9,7 @@ namespace ballast::exchange {
 namespace {
 
 /// A free box of 6 x 8 x 0 m, whose corners are 5 m from its centre; at rest below 0.1 m/s for 1 s; rows every 0.5 s.
-struct Sleeping : testing::Test {
+struct Sleeping : ::testing::Test {
   Manifest manifest;
   std::vector<BodyState> states{BodyState{}};
 

@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kSpacing = 0.1;
 
-struct Case {
+struct Sampled {
   const char* name;
   Shape shape;
   int dimension;
 };
 
-std::vector<Case> primitives() {
+std::vector<Sampled> primitives() {
   return {{"rectangle", box({1, 1, 0.8}), 2},     {"disc", sphere(0.4), 2},
           {"ring", sphere(0.7, 0.3), 2},          {"tank2", open_box({1.2, 1, 0.8}), 2},
           {"box", box({1, 0.6, 0.8}), 3},         {"sphere", sphere(0.4), 3},
@@ -36,7 +36,7 @@ std::vector<double> nearest_neighbours(const std::vector<SurfaceSample>& samples
 }
 
 TEST(Samples, FullSolidsGetTheirExactVolume) {
-  for (const Case& c : primitives()) {
+  for (const Sampled& c : primitives()) {
     const Solid s = solid(c.shape, c.dimension, kSpacing);
     const auto samples = s.samples(kSpacing, 10, kEverywhere);
     EXPECT_NEAR(total_volume(samples), s.mass_properties().volume, 1e-12) << c.name;
@@ -64,7 +64,7 @@ TEST(Samples, TwoLayersFillExactlyTwoPitches) {
 }
 
 TEST(Samples, LieOnLayersHalfAPitchInside) {
-  for (const Case& c : primitives()) {
+  for (const Sampled& c : primitives()) {
     const Solid s = solid(c.shape, c.dimension, kSpacing);
     for (const SurfaceSample& sample : s.samples(kSpacing, 0.3, kEverywhere)) {
       const double depth = -s.distance(sample.position);
@@ -82,7 +82,7 @@ TEST(Samples, LieOnLayersHalfAPitchInside) {
 }
 
 TEST(Samples, AreAboutOneSpacingApart) {
-  for (const Case& c : primitives()) {
+  for (const Sampled& c : primitives()) {
     const auto samples = solid(c.shape, c.dimension, kSpacing).samples(kSpacing, 0.3, kEverywhere);
     const auto nearest = nearest_neighbours(samples);
     EXPECT_GT(*std::min_element(nearest.begin(), nearest.end()), 0.6 * kSpacing) << c.name;
@@ -92,8 +92,8 @@ TEST(Samples, AreAboutOneSpacingApart) {
 
 TEST(Samples, GeneralMethodSpreadsThemEvenly) {
   const Part one{sphere(0.4), {}}, two{box({0.5, 0.5, 0.5}), {{0.4, 0, 0}, Quat::Identity()}};
-  for (const Case& c :
-       std::vector<Case>{{"union", compound({one, two}), 3}, {"union of dimension 2", compound({one, two}), 2}}) {
+  for (const Sampled& c :
+       std::vector<Sampled>{{"union", compound({one, two}), 3}, {"union of dimension 2", compound({one, two}), 2}}) {
     const Solid s = solid(c.shape, c.dimension, kSpacing);
     const auto samples = s.samples(kSpacing, 0.2, kEverywhere);
     const auto nearest = nearest_neighbours(samples);
@@ -115,7 +115,7 @@ TEST(Samples, GeneralMethodSpreadsThemEvenly) {
 
 TEST(Samples, SmallAndThinSolidsAreFilledExactly) {
   for (const double size : {0.02, 0.05, 0.1, 0.17, 0.24}) {
-    for (const Case& c : std::vector<Case>{
+    for (const Sampled& c : std::vector<Sampled>{
              {"sphere", sphere(size / 2), 3},
              {"disc", sphere(size / 2), 2},
              {"capsule", capsule(size / 2, 0.5), 3},

@@ -76,7 +76,7 @@ inline double total_volume(const std::vector<SurfaceSample>& samples) {
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& ending, const std::string& text) {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::temp_directory_path() / (std::string("ballast_") + info->test_suite_name() + "_" +
                                                       info->name() + std::to_string(getpid()) + ending);
     std::ofstream(path_) << text;

@@ -7,7 +7,7 @@
 namespace ballast::output {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 Model named(const std::string& name, Motion motion) {
   Model model;

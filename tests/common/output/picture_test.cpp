@@ -12,7 +12,7 @@
 namespace ballast::output {
 namespace {
 
-struct Picture : testing::Test {
+struct Picture : ::testing::Test {
   std::string folder =
       (std::filesystem::temp_directory_path() / ("ballast_picture_" + std::to_string(getpid()))).string();
   Scene scene;

@@ -31,7 +31,7 @@ std::vector<T> array_of(const std::string& file, const std::string& name) {
   return out;
 }
 
-struct Vtk : testing::Test {
+struct Vtk : ::testing::Test {
   std::string folder = (std::filesystem::temp_directory_path() / ("ballast_vtk_" + std::to_string(getpid()))).string();
   void SetUp() override { std::filesystem::create_directories(folder); }
   void TearDown() override { std::filesystem::remove_all(folder); }

@@ -9,7 +9,7 @@
 namespace ballast {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Good as it stands; the table below breaks one thing at a time.
 const std::string kGood = R"(ballast: 1
@@ -56,7 +56,7 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.from << " -> " << c.to; }
 
-class Broken : public testing::TestWithParam<Case> {};
+class Broken : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Broken, IsRefusedWhereItIsBroken) {
   const Case& c = GetParam();
@@ -78,22 +78,22 @@ TEST(Scenes, TheUnbrokenOneIsAccepted) {
   ASSERT_TRUE(scene) << scene.error().text();
 }
 
-INSTANTIATE_TEST_SUITE_P(Syntax, Broken,
-                         testing::Values(Case{"[0, 0, -9.81]", "[0, 0, -9.81", "6:7", "YAML syntax", "brackets"},
-                                         Case{"  gravity", " gravity", "5:2", "YAML syntax", "indentation"},
-                                         Case{kGood, "", "", "empty", "ballast: 1"},
-                                         Case{kGood, "# only words\n", "", "empty", "ballast: 1"},
-                                         Case{kGood, "- 1\n", "1:1", "a scene is a map", "ballast: 1"},
-                                         Case{kGood, "ballast: 1\n---\nballast: 1\n", "3:1", "second document", "---"},
-                                         Case{kGood, "a: &a [*a]\n", "1:4", "without end", "alias"},
-                                         Case{"  every: 20 ms", "  every: 20 ms\n  every: 30 ms", "33:3",
-                                              "'every' appears twice, first at s.yaml:32:3", "Remove"},
-                                         Case{"  every: 20 ms", "  [1, 2]: 20 ms", "32:3", "a key is not plain text",
-                                              "word"}));
+INSTANTIATE_TEST_SUITE_P(
+    Syntax, Broken,
+    ::testing::Values(Case{"[0, 0, -9.81]", "[0, 0, -9.81", "6:7", "YAML syntax", "brackets"},
+                      Case{"  gravity", " gravity", "5:2", "YAML syntax", "indentation"},
+                      Case{kGood, "", "", "empty", "ballast: 1"},
+                      Case{kGood, "# only words\n", "", "empty", "ballast: 1"},
+                      Case{kGood, "- 1\n", "1:1", "a scene is a map", "ballast: 1"},
+                      Case{kGood, "ballast: 1\n---\nballast: 1\n", "3:1", "second document", "---"},
+                      Case{kGood, "a: &a [*a]\n", "1:4", "without end", "alias"},
+                      Case{"  every: 20 ms", "  every: 20 ms\n  every: 30 ms", "33:3",
+                           "'every' appears twice, first at s.yaml:32:3", "Remove"},
+                      Case{"  every: 20 ms", "  [1, 2]: 20 ms", "32:3", "a key is not plain text", "word"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Keys, Broken,
-    testing::Values(
+    ::testing::Values(
         Case{"    density: 500", "    densty: 500", "16:5", "'densty' is not known", "Did you mean 'density'?"},
         Case{"models:", "modles:", "10:1", "'modles' is not known", "Did you mean 'models'?"},
         Case{"radius: 0.1", "raduis: 0.1", "15:26", "'raduis'", "'radius'"},
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Values, Broken,
-    testing::Values(
+    ::testing::Values(
         Case{"2 cm", "2 kg", "3:12", "spacing: '2 kg' is a mass (kg), but a length (m) is needed", "Write it in m"},
         Case{"2 cm", "-2 cm", "3:12", "spacing is -2 cm, which is out of range", "at least 0 m"},
         Case{"2 cm", "2 spacings", "3:12", "needs world.spacing", "metres"},
@@ -163,51 +163,51 @@ INSTANTIATE_TEST_SUITE_P(
              "key: value"}));
 
 INSTANTIATE_TEST_SUITE_P(Frames, Broken,
-                         testing::Values(Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: tan", "29:50",
-                                              "no model 'tan'", "'tank'"},
-                                         Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: disc", "29:50",
-                                              "'disc' moves freely", "static or prescribed"},
-                                         Case{"force_on: tank", "force_on: tank, moves_with: tank", "30:35",
-                                              "probes at a place", "Remove moves_with"}));
+                         ::testing::Values(Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: tan", "29:50",
+                                                "no model 'tan'", "'tank'"},
+                                           Case{"level_at: [0, 0]", "level_at: [0, 0], moves_with: disc", "29:50",
+                                                "'disc' moves freely", "static or prescribed"},
+                                           Case{"force_on: tank", "force_on: tank, moves_with: tank", "30:35",
+                                                "probes at a place", "Remove moves_with"}));
 
 INSTANTIATE_TEST_SUITE_P(Attraction, Broken,
-                         testing::Values(Case{"world:", "world:\n  attraction: { rate: 1 Hz }", "12:5",
-                                              "would not act on the model 'tank'", "Remove"},
-                                         Case{"world:", "world:\n  attraction: { centre: [1, 0, 0] }", "3:25",
-                                              "without a rate", "1/s"}));
+                         ::testing::Values(Case{"world:", "world:\n  attraction: { rate: 1 Hz }", "12:5",
+                                                "would not act on the model 'tank'", "Remove"},
+                                           Case{"world:", "world:\n  attraction: { centre: [1, 0, 0] }", "3:25",
+                                                "without a rate", "1/s"}));
 
 INSTANTIATE_TEST_SUITE_P(
     References, Broken,
-    testing::Values(Case{"child: disc", "child: dics", "26:12", "child 'dics' is not a model", "Did you mean 'disc'?"},
-                    Case{"parent: rod", "parent: wold", "25:13", "neither a model nor 'world'",
-                         "Did you mean 'world'?"},
-                    Case{"parent: rod", "parent: disc", "26:12", "connects 'disc' with itself", "different"},
-                    Case{"force_on: tank", "force_on: tan", "30:29", "no model 'tan'", "'tank'"},
-                    Case{"level_at: [0, 0]", "pressure_error: wate", "29:36", "no fluid 'wate'", "'water'"},
-                    Case{"push.fz", "push.fq", "34:21", "no column 'push.fq'", "push.f"},
-                    Case{"push.fz", "tank.x", "34:21", "'tank' is static", "force_on"},
-                    Case{"push.fz", "push", "34:21", "no column 'push'", "push.fx"},
-                    Case{"push.fz, below: 3", "push.fz, below: 3 m", "34:37", "is a length (m), but a force (N)", "N"},
-                    Case{"push.fz, below: 3", "push.fz", "34:15", "not compared", "below"},
-                    Case{"push.fz, below: 3", "push.fz, equals: 3", "34:15", "no tolerance", "within"},
-                    Case{"push.fz, below: 3", "push.fz, equals: 0, within: 3 %", "34:49", "allows nothing", "absolute"},
-                    Case{"push.fz, below: 3", "push.fz, below: 3, above: 4", "34:15", "nothing is above 4", "less"},
-                    Case{"push.fz, below: 3", "push.fz, below: 3, from: 4, to: 2", "34:5", "no sample lies", "from"},
-                    Case{"\"d*\"", "\"q*\"", "35:24", "no model matches 'q*'", "Known here"},
-                    Case{"\"d*\"", "tank", "35:24", "only static models", "can move"},
-                    Case{"at_least: 1", "at_least: 2", "35:40", "names only 1", "at most 1"},
-                    Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }",
-                         "{ inside: { models: disc, container: rod } }", "35:42", "'rod' has no inside", "open_box"},
-                    Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }", "{ lost_particles: 3 }", "35:23",
-                         "neither 0 nor a share", "5 %"},
-                    Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: tnak, z: 1 } }", "9:33",
-                         "'tnak' is not a model", "'tank'"},
-                    Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: rod, z: 1 } }", "9:33",
-                         "no inside", "open_box"}));
+    ::testing::Values(
+        Case{"child: disc", "child: dics", "26:12", "child 'dics' is not a model", "Did you mean 'disc'?"},
+        Case{"parent: rod", "parent: wold", "25:13", "neither a model nor 'world'", "Did you mean 'world'?"},
+        Case{"parent: rod", "parent: disc", "26:12", "connects 'disc' with itself", "different"},
+        Case{"force_on: tank", "force_on: tan", "30:29", "no model 'tan'", "'tank'"},
+        Case{"level_at: [0, 0]", "pressure_error: wate", "29:36", "no fluid 'wate'", "'water'"},
+        Case{"push.fz", "push.fq", "34:21", "no column 'push.fq'", "push.f"},
+        Case{"push.fz", "tank.x", "34:21", "'tank' is static", "force_on"},
+        Case{"push.fz", "push", "34:21", "no column 'push'", "push.fx"},
+        Case{"push.fz, below: 3", "push.fz, below: 3 m", "34:37", "is a length (m), but a force (N)", "N"},
+        Case{"push.fz, below: 3", "push.fz", "34:15", "not compared", "below"},
+        Case{"push.fz, below: 3", "push.fz, equals: 3", "34:15", "no tolerance", "within"},
+        Case{"push.fz, below: 3", "push.fz, equals: 0, within: 3 %", "34:49", "allows nothing", "absolute"},
+        Case{"push.fz, below: 3", "push.fz, below: 3, above: 4", "34:15", "nothing is above 4", "less"},
+        Case{"push.fz, below: 3", "push.fz, below: 3, from: 4, to: 2", "34:5", "no sample lies", "from"},
+        Case{"\"d*\"", "\"q*\"", "35:24", "no model matches 'q*'", "Known here"},
+        Case{"\"d*\"", "tank", "35:24", "only static models", "can move"},
+        Case{"at_least: 1", "at_least: 2", "35:40", "names only 1", "at most 1"},
+        Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }", "{ inside: { models: disc, container: rod } }",
+             "35:42", "'rod' has no inside", "open_box"},
+        Case{"{ moved: { models: \"d*\", at_least: 1, by: 1 } }", "{ lost_particles: 3 }", "35:23",
+             "neither 0 nor a share", "5 %"},
+        Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: tnak, z: 1 } }", "9:33",
+             "'tnak' is not a model", "'tank'"},
+        Case{"{ box: { min: [0, 0, 0], max: [1, 1, 1] } }", "{ level: { container: rod, z: 1 } }", "9:33", "no inside",
+             "open_box"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Contradictions, Broken,
-    testing::Values(
+    ::testing::Values(
         Case{"name: rod", "name: disc", "19:11", "'disc' exists already, at s.yaml:14:5", "name of its own"},
         Case{"name: push", "name: front", "30:13", "a probe named 'front' exists already", "name of its own"},
         Case{"name: rod", "name: world", "19:11", "'world' is the name of the fixed frame", "another"},
@@ -232,20 +232,20 @@ INSTANTIATE_TEST_SUITE_P(
         Case{kGood, "{ballast: 1, models: [{name: t, static: true, shape: {open_box: {inside: [1, 1, 1]}}}]}", "1:54",
              "no thickness", "Set wall"}));
 
-INSTANTIATE_TEST_SUITE_P(Plane, Broken,
-                         testing::Values(Case{"dimension: 3\n  gravity: [0, 0", "dimension: 2\n  gravity: [0, 1",
-                                              "5:12", "gravity has a component 1 along y", "Set y to 0"},
-                                         Case{"3\n",
-                                              "2\n  periodic: [y]\n  domain: { min: [0, 0, 0], max: [1, 1, 1] }\n",
-                                              "5:13", "y cannot be periodic", "Remove y"},
-                                         Case{kGood,
-                                              "{ballast: 1, world: {dimension: 2}, models: [{name: a, mass: 1, shape: "
-                                              "{box: [1, 1, 1]}, pose: [0, 1, 0]}]}",
-                                              "1:96", "pose has a component 1 along y", "y to 0"},
-                                         Case{kGood,
-                                              "{ballast: 1, world: {dimension: 2}, models: [{name: a, mass: 1, shape: "
-                                              "{box: [1, 1, 1]}, pose: [0, 0, 0, 1, 0, 0]}]}",
-                                              "1:96", "rotation in pose is not about y", "0"}));
+INSTANTIATE_TEST_SUITE_P(
+    Plane, Broken,
+    ::testing::Values(Case{"dimension: 3\n  gravity: [0, 0", "dimension: 2\n  gravity: [0, 1", "5:12",
+                           "gravity has a component 1 along y", "Set y to 0"},
+                      Case{"3\n", "2\n  periodic: [y]\n  domain: { min: [0, 0, 0], max: [1, 1, 1] }\n", "5:13",
+                           "y cannot be periodic", "Remove y"},
+                      Case{kGood,
+                           "{ballast: 1, world: {dimension: 2}, models: [{name: a, mass: 1, shape: "
+                           "{box: [1, 1, 1]}, pose: [0, 1, 0]}]}",
+                           "1:96", "pose has a component 1 along y", "y to 0"},
+                      Case{kGood,
+                           "{ballast: 1, world: {dimension: 2}, models: [{name: a, mass: 1, shape: "
+                           "{box: [1, 1, 1]}, pose: [0, 0, 0, 1, 0, 0]}]}",
+                           "1:96", "rotation in pose is not about y", "0"}));
 
 // In dimension 2 a joint has to stay in the plane: read with the world changed by an override.
 TEST(Plane, RefusesJointsThatLeaveIt) {

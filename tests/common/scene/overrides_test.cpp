@@ -8,7 +8,7 @@
 namespace ballast {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Scene with(const Overrides& overrides) {
   auto scene = read_scene_text(scene::kRich, "rich.yaml", overrides);
@@ -63,7 +63,7 @@ struct Bad {
   const char *path, *value, *what, *cure;
 };
 
-class BadOverrides : public testing::TestWithParam<Bad> {};
+class BadOverrides : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadOverrides, AreRefusedWithTheirPath) {
   const Bad& bad = GetParam();
@@ -76,18 +76,18 @@ TEST_P(BadOverrides, AreRefusedWithTheirPath) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadOverrides,
-    testing::Values(Bad{"models.ball.dnesity", "1", "'dnesity' is not known", "Did you mean 'density'?"},
-                    Bad{"models.bal.density", "1", "no list item 'bal'", "Did you mean 'ball'?"},
-                    Bad{"models.99.density", "1", "no list item '99'", "Known here"},
-                    Bad{"wrold.duration", "1", "'wrold' is not known", "Did you mean 'world'?"},
-                    Bad{"world.duration.x", "1", "leads into the plain value", "End the path"},
-                    Bad{"world.duration", "[1", "cannot be read", "as it would stand"},
-                    Bad{"world.duration", "", "cannot be read", "as it would stand"},
-                    Bad{"world.duration", "5 cm", "is a length (m), but a time (s) is needed", "Write it in s"},
-                    Bad{"world..duration", "1", "empty step", "key.name.key=value"},
-                    Bad{"", "1", "path is empty", "--set"},
-                    Bad{"joints.hinge.child", "bal", "'bal' is not a model", "Did you mean 'ball'?"},
-                    Bad{"world.gravity.7", "1", "no list item '7'", "from 0 to 2"}));
+    ::testing::Values(Bad{"models.ball.dnesity", "1", "'dnesity' is not known", "Did you mean 'density'?"},
+                      Bad{"models.bal.density", "1", "no list item 'bal'", "Did you mean 'ball'?"},
+                      Bad{"models.99.density", "1", "no list item '99'", "Known here"},
+                      Bad{"wrold.duration", "1", "'wrold' is not known", "Did you mean 'world'?"},
+                      Bad{"world.duration.x", "1", "leads into the plain value", "End the path"},
+                      Bad{"world.duration", "[1", "cannot be read", "as it would stand"},
+                      Bad{"world.duration", "", "cannot be read", "as it would stand"},
+                      Bad{"world.duration", "5 cm", "is a length (m), but a time (s) is needed", "Write it in s"},
+                      Bad{"world..duration", "1", "empty step", "key.name.key=value"},
+                      Bad{"", "1", "path is empty", "--set"},
+                      Bad{"joints.hinge.child", "bal", "'bal' is not a model", "Did you mean 'ball'?"},
+                      Bad{"world.gravity.7", "1", "no list item '7'", "from 0 to 2"}));
 
 }  // namespace
 }  // namespace ballast

@@ -38,11 +38,11 @@ TEST(Differences, AreThePathsOfTheKeys) {
   const Scene other =
       read(scene::kRich, {{"world.duration", "4 s"}, {"models.ball.mass", "3"}, {"output.vtk", "false"}});
   EXPECT_THAT(scene_differences(scene, other),
-              testing::UnorderedElementsAre("/world/duration", "/models/ball/mass", "/output/vtk"));
+              ::testing::UnorderedElementsAre("/world/duration", "/models/ball/mass", "/output/vtk"));
   Scene more = scene;
   more.models.insert(more.models.begin(), more.models.back());
   more.models.front().name = "another";
-  EXPECT_THAT(scene_differences(scene, more), testing::ElementsAre("/models/another"));
+  EXPECT_THAT(scene_differences(scene, more), ::testing::ElementsAre("/models/another"));
 }
 
 TEST(Printer, KeepsEveryBitOfAwkwardNumbersAndTexts) {

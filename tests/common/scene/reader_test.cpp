@@ -33,7 +33,7 @@ TEST(Reader, TakesTheWorldWithUnits) {
   EXPECT_EQ(scene.name, "rich");
   EXPECT_EQ(scene.world.spacing, 0.02);
   EXPECT_EQ(scene.world.accuracy, Accuracy::kAccurate);
-  EXPECT_THAT(scene.world.periodic, testing::ElementsAre(true, true, false));
+  EXPECT_THAT(scene.world.periodic, ::testing::ElementsAre(true, true, false));
   EXPECT_EQ(scene.world.domain->max, Vec3(3, 3, 3));
   EXPECT_EQ(scene.world.seed, 18446744073709551615ull);
 }

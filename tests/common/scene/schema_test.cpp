@@ -199,7 +199,7 @@ TEST(Schema, SaysUnitsBoundsWordsAndWhatIsRequired) {
   EXPECT_EQ(schema["additionalProperties"], false);
   const json& definitions = schema["$defs"];
   EXPECT_THAT(definitions["fluids_item"]["properties"]["density"]["description"].get<std::string>(),
-              testing::HasSubstr("[kg/m^3]"));
+              ::testing::HasSubstr("[kg/m^3]"));
   EXPECT_EQ(definitions["world"]["properties"]["duration"]["anyOf"][0]["exclusiveMinimum"], 0);
   EXPECT_EQ(definitions["coupling"]["properties"]["engine"]["enum"], json({"ode", "free_body"}));
   EXPECT_EQ(definitions["coupling"]["properties"]["scheme"]["default"], "auto");
@@ -210,7 +210,7 @@ TEST(Schema, SaysUnitsBoundsWordsAndWhatIsRequired) {
 TEST(Help, HasOneLineForEveryKey) {
   const std::string help = scene_help();
   for (const char* key : kKeys) {
-    EXPECT_THAT(help, testing::ContainsRegex("(^|\n) *" + std::string(key) + " ")) << key;
+    EXPECT_THAT(help, ::testing::ContainsRegex("(^|\n) *" + std::string(key) + " ")) << key;
   }
 }
 
