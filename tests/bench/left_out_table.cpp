@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   for (const auto& entry : fs::directory_iterator(fs::path(BALLAST_SOURCE_DIR) / "scenes"))
     if (entry.path().extension() == ".yaml") scenes.push_back(entry.path());
   std::sort(scenes.begin(), scenes.end());
-  const fs::path folder = fs::temp_directory_path() / fmt::format("ballast_left_out_bench_{}", getpid());
+  const fs::path folder = fs::temp_directory_path() / fmt::format("ballast_left_out_table_{}", getpid());
   std::vector<bench::Row> rows;
   for (const fs::path& scene : scenes) {
     std::vector<double> walls, walls_all;
