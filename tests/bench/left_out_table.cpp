@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
       walls.push_back(r["wall_s"]);
       walls_all.push_back(a["wall_s"]);
       threads = r["threads"];
-      particles = r["particles"]["fluid"].is_number() ? r["particles"]["fluid"].get<std::size_t>() : 0;
+      particles = r["particles"].is_object() ? r["particles"]["fluid"].get<std::size_t>() : 0;  // rigid alone: none
       same = same && r["state_hash"] == a["state_hash"];
       moved = std::max(moved, farthest(last_positions(shipped), last_positions(all)));
       if (r.contains("sleep") && r["sleep"].is_object()) bound = r["sleep"]["bound_m"];
