@@ -52,6 +52,12 @@ std::vector<Pose> poses_of(std::span<const exchange::BodyState> states) {
   return poses;
 }
 
+/// A row of the record's table (launch/savings.h) about which nobody can count time or bytes.
+nlohmann::json left_out(const char* what, const std::string& why, const std::string& saved, const char* difference) {
+  return {{"what", what},          {"why", why}, {"saved", saved}, {"difference", difference}, {"saved_s", nullptr},
+          {"saved_bytes", nullptr}};
+}
+
 }  // namespace
 
 Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphFluid& fluid, std::string out_dir)
@@ -126,27 +132,27 @@ void Report::count_slept(double dt) {
 
 void Report::count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
                    double dt, double time) {
-  const WcsphFluid& fluid = fluid_;
   ++limits_[static_cast<std::size_t>(limit)];
   count_impulses(dt);
   energy_.step(before, after, dt);
   if (steps_since_measure_++ % 20 == 0) {
-    last_ = fluid.measure();
+    last_ = fluid_.measure();
     count_energy(time);
     error_mean_sum_ += last_.compression_mean;
     error_max_ = std::max(error_max_, last_.compression_max);
     ++error_count_;
   }
-  const double mach = fluid.facts().max_speed / fluid.constants().sound_speed;
-  if (!fluid.implicit() && mach > 0.3 && worst_mach_ <= 0.3)
+  const double mach = fluid_.facts().max_speed / fluid_.constants().sound_speed;
+  if (!fluid_.implicit() && mach > 0.3 && worst_mach_ <= 0.3)
     warn(fmt::format(
         "at t = {:.4g} s the fluid reached {:.2g} times the sound speed of {:.3g} m/s: densities are off by up to "
         "{:.0f} %; raise numerics.sound_speed",
-        time, mach, fluid.constants().sound_speed, 100 * mach * mach));
+        time, mach, fluid_.constants().sound_speed, 100 * mach * mach));
   worst_mach_ = std::max(worst_mach_, mach);
-  if (fluid.lost() > lost_seen_) {
-    if (lost_seen_ == 0) warn(fmt::format("t = {:.4g} s: {}; further ones are only counted", time, fluid.lost_where()));
-    lost_seen_ = fluid.lost();
+  if (fluid_.lost() > lost_seen_) {
+    if (lost_seen_ == 0)
+      warn(fmt::format("t = {:.4g} s: {}; further ones are only counted", time, fluid_.lost_where()));
+    lost_seen_ = fluid_.lost();
   }
 }
 
@@ -286,21 +292,14 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                           {"mass_kg", f.mass},
                           {"particles", f.particles}});
   if (!energy_.left_out().empty())
-    j["left_out"].push_back({{"what", "bound of the energy"},
-                             {"why", energy_.left_out()},
-                             {"saved", "nothing to speak of"},
-                             {"difference", "energy that the steps make goes unseen"},
-                             {"saved_s", nullptr},
-                             {"saved_bytes", nullptr}});
+    j["left_out"].push_back(left_out("bound of the energy", energy_.left_out(), "nothing to speak of",
+                                     "energy that the steps make goes unseen"));
   if (const IdleSamples& idle = fluid_.idle_samples(); idle.samples > 0)
-    j["left_out"].push_back({{"what", "samples without fluid"},
-                             {"why", "no particle within the kernel's support"},
-                             {"saved", fmt::format("sorting and sums of {:.0f} of {} samples a step",
-                                                   static_cast<double>(idle.samples) / static_cast<double>(idle.steps),
-                                                   fluid_.samples().size())},
-                             {"difference", "none: their sums would be empty"},
-                             {"saved_s", nullptr},
-                             {"saved_bytes", nullptr}});
+    j["left_out"].push_back(left_out(
+        "samples without fluid", "no particle within the kernel's support",
+        fmt::format("sorting and sums of {:.0f} of {} samples a step",
+                    static_cast<double>(idle.samples) / static_cast<double>(idle.steps), fluid_.samples().size()),
+        "none: their sums would be empty"));
   const RelaxReport& relaxed = fluid_.relax_report();
   j["relaxation"] = {
       {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};

@@ -299,17 +299,21 @@ class Pairs {
     const VF zero = hn::Zero(d);
     const VF vx = hn::Sub(hn::Set(d, own.vx), motion.a), vy = hn::Sub(hn::Set(d, own.vy), motion.b);
     const VF vz = hn::Sub(hn::Set(d, own.vz), motion.c);
-    VF dot = hn::MulAdd(vx, r.x, hn::Mul(vz, r.z));
-    if constexpr (Dim == 3) dot = hn::MulAdd(vy, r.y, dot);
+    const auto speed_along = [&](VF x, VF y, VF z) HWY_ATTR {
+      VF dot = hn::MulAdd(vx, x, hn::Mul(vz, z));
+      if constexpr (Dim == 3) dot = hn::MulAdd(vy, y, dot);
+      return dot;
+    };
     const VF length = hn::Sqrt(hn::Max(r.r2, hn::Set(d, 1e-30f)));
-    const VF u = hn::Max(hn::Neg(hn::Div(dot, length)), zero);
+    const VF u = hn::Max(hn::Neg(hn::Div(speed_along(r.x, r.y, r.z), length)), zero);
+    const auto ram = [&](VF against) HWY_ATTR {
+      const VF speed = hn::Max(hn::Min(u, against), zero);
+      return hn::Mul(rho, hn::Mul(speed, speed));
+    };
     if (own.volume < 0) {
       if (!constants_.ram_on_samples) return zero;
       const NormalRecord& n = extras_.normal[item];
-      VF against = hn::MulAdd(vx, hn::Set(d, n.x), hn::Mul(vz, hn::Set(d, n.z)));
-      if constexpr (Dim == 3) against = hn::MulAdd(vy, hn::Set(d, n.y), against);
-      const VF ram = hn::Max(hn::Min(u, against), zero);
-      return hn::Mul(rho, hn::Mul(ram, ram));
+      return ram(speed_along(hn::Set(d, n.x), hn::Set(d, n.y), hn::Set(d, n.z)));
     }
     const auto sample = hn::Lt(motion.d, zero);
     const VF linear = hn::Set(d, constants_.artificial_viscosity * constants_.sound_speed);
@@ -317,10 +321,7 @@ class Pairs {
     if (hn::AllFalse(d, sample)) return q;
     if (!constants_.ram_on_samples) return hn::IfThenZeroElse(sample, q);
     const Quad n = load_transposed(d, &extras_.normal[0].x, index, 4);
-    VF against = hn::MulAdd(vx, n.a, hn::Mul(vz, n.c));
-    if constexpr (Dim == 3) against = hn::MulAdd(vy, n.b, against);
-    const VF ram = hn::Max(hn::Min(u, hn::Neg(against)), zero);
-    return hn::IfThenElse(sample, hn::Mul(rho, hn::Mul(ram, ram)), q);
+    return hn::IfThenElse(sample, ram(hn::Neg(speed_along(n.a, n.b, n.c))), q);
   }
 
   float density(std::uint32_t item) const {
