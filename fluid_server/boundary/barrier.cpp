@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "fluid_server/pressure/sums.h"
+
 namespace ballast::fluid {
 
 namespace {
@@ -23,7 +25,7 @@ Barrier::Barrier(const Samples& samples, std::span<const Body> bodies, double sp
 void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const std::vector<SampleSums>& sums,
                     const PassConstants& constants, std::span<const exchange::BodyState> states, Response& response) {
   pushes_.clear();
-  find_near(items, sums);
+  find_near(items, constants, sums);
   if (contacts_.empty()) return;
   find_touching(items, extras, constants, states);
   const double dt = constants.dt;
@@ -55,23 +57,30 @@ void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const 
 }
 
 /// Pairs of a particle and a solid that are near each other, each with the nearest sample.
-void Barrier::find_near(const Neighbourhood& items, const std::vector<SampleSums>& sums) {
+void Barrier::find_near(const Neighbourhood& items, const PassConstants& constants,
+                        const std::vector<SampleSums>& sums) {
   contacts_.clear();
   const Coordinates& coordinates = items.coordinates();
   const float near2 = static_cast<float>(kNear * kNear * spacing_ * spacing_);
-  for (std::size_t s = 0; s < sums.size(); ++s) {
-    if (!(sums[s].w > 0) || sums[s].nearest * sums[s].nearest > near2) continue;
-    const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
-    const std::uint32_t* list = items.lists.of(item);
-    for (std::uint32_t k = 0; k < items.lists.count[item]; ++k) {
-      const Record &a = items.record[list[k]], &b = items.record[item];
-      const auto distance2 = static_cast<float>(coordinates.difference({a.x, a.y, a.z}, {b.x, b.y, b.z}).squaredNorm());
-      if (distance2 < near2) {
-        Contact& c = contacts_.emplace_back();
+  near_.resize((sums.size() + kSumBlock - 1) / kSumBlock);
+  for_blocks(sums.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<Contact>& near = near_[begin / kSumBlock];
+    near.clear();
+    for (std::size_t s = begin; s < end; ++s) {
+      if (!(sums[s].w > 0) || sums[s].nearest * sums[s].nearest > near2) continue;
+      const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
+      const std::uint32_t* list = items.lists.of(item);
+      for (std::uint32_t k = 0; k < items.lists.count[item]; ++k) {
+        const Record &a = items.record[list[k]], &b = items.record[item];
+        const auto distance2 =
+            static_cast<float>(coordinates.difference({a.x, a.y, a.z}, {b.x, b.y, b.z}).squaredNorm());
+        if (!(distance2 < near2)) continue;
+        Contact& c = near.emplace_back();
         c.particle = items.source[list[k]], c.body = samples_.body[sample], c.sample = sample, c.distance2 = distance2;
       }
     }
-  }
+  });
+  for (const std::vector<Contact>& near : near_) contacts_.insert(contacts_.end(), near.begin(), near.end());
   // What does not move comes last among a particle's solids: its contact is the one that a sweep ends with.
   const auto order = [&](const Contact& c) {
     return std::tuple(c.particle, c.sample < samples_.first_moving, c.body, c.distance2, c.sample);
@@ -92,31 +101,33 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
     c.slot = static_cast<std::uint32_t>(particles_.size() - 1);
   }
   accelerate_some(items, extras, constants, particles_, acceleration_);
-  std::erase_if(contacts_, [&](Contact& c) {
+  const auto meet = [&](Contact& c) {
     const exchange::BodyState& state = states[c.body];
     const Quat q = rotation_of(state);
     const Record& own = items.record[items.fluid_item[c.particle]];
     const Record& sample = samples_.record[c.sample];
     const Vec3 from_sample = coordinates.difference({own.x, own.y, own.z}, {sample.x, sample.y, sample.z});
     const Vec3 local = samples_.local[c.sample].cast<double>() + q.conjugate() * from_sample;
-    const double height = bodies_[c.body].solid.distance(local);
+    c.height = bodies_[c.body].solid.distance(local);
     c.arm = q * local;
     const Vec3 body = Vec3::Map(state.velocity) + Vec3::Map(state.angular_velocity).cross(c.arm);
     const Vec3 velocity =
         Vec3(own.vx, own.vy, own.vz) + dt * Eigen::Vector3f::Map(&acceleration_[3 * c.slot]).cast<double>();
     const Vec3 relative = velocity - body;
-    // no direction brings it nearer than its speed
-    if (height > dt * relative.norm()) return true;
+    c.meets = c.height <= dt * relative.norm();  // no direction brings it nearer than its speed
+    if (!c.meets) return;
     c.normal = q * bodies_[c.body].solid.normal(local);
-    c.least = (height >= 0 ? -height : -kComeOut * height) / dt - c.normal.dot(relative);
-    report_.deepest = std::max(report_.deepest, -height);
+    c.least = (c.height >= 0 ? -c.height : -kComeOut * c.height) / dt - c.normal.dot(relative);
     const auto mobility = mobility_of(state);
     Vector6 line;
     line << c.normal, c.arm.cross(c.normal);
     c.mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
     c.inverse_mass = 1 / c.mass + line.dot(mobility * line);
-    return false;
-  });
+  };
+#pragma omp parallel for num_threads(constants.threads) schedule(static) if (contacts_.size() > kSerial / 8)
+  for (std::size_t k = 0; k < contacts_.size(); ++k) meet(contacts_[k]);
+  std::erase_if(contacts_, [](const Contact& c) { return !c.meets; });
+  for (const Contact& c : contacts_) report_.deepest = std::max(report_.deepest, -c.height);
   pushes_.resize(particles_.size());
   for (std::size_t k = 0; k < particles_.size(); ++k) pushes_[k] = {particles_[k], Eigen::Vector3f::Zero()};
 }

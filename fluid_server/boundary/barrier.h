@@ -51,17 +51,20 @@ class Barrier {
     float distance2 = 0;                             // of the sample
     std::uint32_t slot = 0;                          // into pushes_
     Vec3 normal = Vec3::Zero(), arm = Vec3::Zero();  // out of the solid; from its centre of mass
+    double height = 0;                               // of the particle above the surface
+    bool meets = false;                              // in this step
     double least = 0;                                // velocity of separation, at least
     double impulse = 0;
     double mass = 0, inverse_mass = 0;  // of the particle; effective, of both
   };
-  void find_near(const Neighbourhood& items, const std::vector<SampleSums>& sums);
+  void find_near(const Neighbourhood& items, const PassConstants& constants, const std::vector<SampleSums>& sums);
   void find_touching(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                      std::span<const exchange::BodyState> states);
 
   const Samples& samples_;
   std::span<const Body> bodies_;
   double spacing_;
+  std::vector<std::vector<Contact>> near_;  // by block of samples
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;
   std::vector<std::uint32_t> particles_;             // of pushes_

@@ -34,7 +34,7 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
   if (films_ && films == Films::kFollow) {
     films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
       if (wet_stamp_[sample] != stamp_) return {};
-      return Seepage::Wet{wet_[sample].p0, wet_[sample].area.cast<double>()};
+      return Seepage::Wet{wet_[sample].p0, wet_[sample].seen, wet_[sample].area.cast<double>()};
     });
     if (!films_->empty()) find_accelerations(states, scheme, false);
     films_->press(states, acceleration_, constants.dt);
@@ -77,8 +77,10 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
     const Quat q = rotation_of(state);
     wet.arm = (q * samples_.local[sample].cast<double>()).cast<float>();
     wet.penetration = 0.5f * static_cast<float>(spacing_) - (sum.nearest - samples_.depth[sample]);
-    wet.reach = Eigen::Vector3f::Map(sum.wr) / sum.w;
-    wet.p0 = sum.wp / sum.w + gravity.dot(wet.reach);
+    const Eigen::Vector3f reach = Eigen::Vector3f::Map(sum.wr) / sum.w;
+    wet.seen = sum.wp / sum.w + gravity.dot(reach);
+    wet.reach = sum.share * reach;
+    wet.p0 = sum.share * wet.seen;
     wet.area = -volume * Eigen::Vector3f::Map(sum.g);
     wet.force = -volume * Eigen::Vector3f::Map(sum.pg);
     if (constants.viscous) {

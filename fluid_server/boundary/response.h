@@ -81,7 +81,8 @@ class Response {
     std::uint32_t item, body;
     Eigen::Vector3f arm;                               // world, from the centre of mass
     float penetration;                                 // of the nearest particle's edge below the surface, m
-    float p0;                                          // pressure without the body's acceleration
+    float seen;                                        // pressure extrapolated without the body's acceleration
+    float p0;                                          // the share of it that the sample bears
     Eigen::Vector3f reach;                             // sum V W rho (x_b - x_k) / sum V W
     Eigen::Vector3f area;                              // S: force per unit pressure
     Eigen::Vector3f force;                             // what does not depend on p_b

@@ -5,6 +5,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace ballast::fluid {
@@ -12,20 +13,24 @@ namespace ballast::fluid {
 namespace {
 
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
-constexpr double kRough = 0.05;               // gap of solids that touch, spacings: what is left open at corners
-constexpr double kOneSide = 0.7;              // cosine between normals of one film
-constexpr double kBeside = 1.5;               // distance of neighbouring places, spacings
-constexpr double kMostChange = 0.5;           // share of a film's area that closing a body may add or take
-constexpr int kFilmSweeps = 20;               // over the films of all bodies: stacks of ten
-constexpr double kFirstLayer = 0.7;           // share of a wet face's force that its first layer of samples bears
+// Gap in spacings up to which the particles at a rim lie beside the gap, and from which on they may be pressed into it.
+constexpr double kShut = 0.1, kAjar = 0.25;
+constexpr double kRough = 0.05;      // gap of solids that touch, spacings: what is left open at corners
+constexpr double kOneSide = 0.7;     // cosine between normals of one film
+constexpr double kBeside = 1.5;      // distance of neighbouring places, spacings
+constexpr double kMostChange = 0.5;  // share of a film's area that closing a body may add or take
+constexpr int kFilmSweeps = 20;      // over the films of all bodies: stacks of ten
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kFirstLayer = 0.7;  // share of a wet face's force that its first layer of samples bears
 
 }  // namespace
 
 Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Kernel& kernel,
-                 const Vec3& gravity, double density)
+                 const Vec3& gravity, double density, int threads)
     : bodies_(bodies),
       samples_(samples),
       spacing_(scene.world.spacing),
+      threads_(threads),
       closes_(scene.numerics.pressure != Pressure::kImplicit),
       density_(density),
       weight_(density * gravity) {
@@ -43,12 +48,14 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
   for (Column& column : columns_) column.weight /= sum;
   wrenches_.resize(bodies.size());
   for (const Body& body : bodies) {
-    const Box3 box = body.solid.bounds();
+    Box3 box = body.solid.bounds();
     reach_.push_back(box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).norm());
+    if (scene.world.dimension == 2) box.min[1] = -kInfinite, box.max[1] = kInfinite;
+    bounds_.push_back(box);
   }
   for (std::uint32_t b = 0; b < bodies.size(); ++b) {
     if (scene.models[b].motion != Motion::kDynamic) continue;
-    Face face{b, {}};
+    Face face{b, {}, false, {}};
     for (std::uint32_t k = samples.first[b]; k < samples.first[b + 1]; ++k) {
       const std::uint32_t s = samples.order[k];
       if (samples.depth[s] < 0.75 * spacing_)
@@ -72,10 +79,19 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
 void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& wet) {
   films_.clear();
   closed_.clear();
-  for (const Face& face : faces_) {
-    if (!cover(face, states)) continue;
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1) if (faces_.size() > 1)
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    Face& face = faces_[f];
+    face.has_films = cover(face, states, wet);
+    if (!face.has_films) continue;
     read_rims(face, states[face.body], wet);
     spread(face);
+    const Quat rotation = rotation_of(states[face.body]);
+    for (Covered& c : face.covered)
+      if (c.reached && !counted(face, c.other)) c.bears = c.share * bearing(c, rotation, states[c.other]);
+  }
+  for (const Face& face : faces_) {
+    if (!face.has_films) continue;
     bear(face, states);
     if (closes_) note_closed(face, wet);
   }
@@ -87,17 +103,19 @@ double Seepage::column(const Vec3& point, const exchange::BodyState& state) cons
 }
 
 /// Heads where they are known: of the fluid at wet places, of air at dry ones that lie at the edge of a film.
-void Seepage::read_rims(const Face& face, const exchange::BodyState& state, const FindWet& wet) {
+void Seepage::read_rims(Face& face, const exchange::BodyState& state, const FindWet& wet) const {
   const auto in_air = [&](std::uint32_t j) {
-    return !(covered_[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
+    return !(face.covered[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
   };
-  for (std::size_t i = 0; i < covered_.size(); ++i) {
-    Covered& c = covered_[i];
+  for (std::size_t i = 0; i < face.covered.size(); ++i) {
+    Covered& c = face.covered[i];
     if (!(c.share > 0)) continue;
     const Place& place = face.places[i];
     if (const std::optional<Wet> found = wet(place.sample)) {
       c.known = c.reached = true;
-      c.head = found->pressure - column(c.point - samples_.depth[place.sample] * c.normal, state);
+      const double shut = std::clamp((kAjar - c.gap / spacing_) / (kAjar - kShut), 0.0, 1.0);
+      const double pressure = found->pressure + shut * (found->seen - found->pressure);
+      c.head = pressure - column(c.point - samples_.depth[place.sample] * c.normal, state);
       c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
     } else if (std::ranges::any_of(place.neighbours, in_air)) {
       c.known = c.reached = c.dry = true;
@@ -108,12 +126,11 @@ void Seepage::read_rims(const Face& face, const exchange::BodyState& state, cons
 
 /// Adds up what the places bear, by film.
 void Seepage::bear(const Face& face, std::span<const exchange::BodyState> states) {
-  const Quat rotation = rotation_of(states[face.body]);
-  for (std::size_t i = 0; i < covered_.size(); ++i) {
-    const Covered& c = covered_[i];
+  for (std::size_t i = 0; i < face.covered.size(); ++i) {
+    const Covered& c = face.covered[i];
     if (!c.reached || counted(face, c.other)) continue;
     const double p = std::max(c.head + column(c.point, states[face.body]), 0.0);  // a film bears no tension
-    const double area = c.share * bearing(c, rotation, states[c.other]) * face.places[i].area;
+    const double area = c.bears * face.places[i].area;
     const Vec3 force = -p * area * c.normal;
     Film& film = this->film(face.body, c.other, c.normal);
     film.force += p * area;
@@ -133,8 +150,8 @@ void Seepage::bear(const Face& face, std::span<const exchange::BodyState> states
 
 /// Notes what the samples leave open of a body with water or films on every side.
 void Seepage::note_closed(const Face& face, const FindWet& wet) {
-  for (std::size_t i = 0; i < covered_.size(); ++i)
-    if (!(covered_[i].reached && !covered_[i].dry) && !wet(face.places[i].sample)) return;
+  for (std::size_t i = 0; i < face.covered.size(); ++i)
+    if (!(face.covered[i].reached && !face.covered[i].dry) && !wet(face.places[i].sample)) return;
   Closed& closed = closed_.emplace_back(face.body);
   for (std::uint32_t k = samples_.first[face.body]; k < samples_.first[face.body + 1]; ++k)
     if (const auto found = wet(samples_.order[k])) closed.open += 2 * found->area;
@@ -243,36 +260,48 @@ bool Seepage::counted(const Face& face, std::uint32_t other) const {
   return other < face.body && std::ranges::any_of(faces_, [&](const Face& f) { return f.body == other; });
 }
 
-/// Which places of a body another solid lies against; false: none.
-bool Seepage::cover(const Face& face, std::span<const exchange::BodyState> states) {
+/// Which places of a body another solid lies against; false: none, or there is no water that could get there.
+bool Seepage::cover(Face& face, std::span<const exchange::BodyState> states, const FindWet& wet) const {
   const std::uint32_t own = face.body;
   const double wide = kWide * spacing_;
-  std::vector<std::uint32_t> near;
+  struct Near {
+    std::uint32_t body;
+    Quat to_local;
+    Vec3 position, low, high;  // low, high: of the box around it, with what a place may be away
+  };
+  std::vector<Near> near;
   for (std::uint32_t b = 0; b < states.size(); ++b) {
     const double distance = (Vec3::Map(states[b].position) - Vec3::Map(states[own].position)).norm();
-    if (b != own && distance < reach_[b] + reach_[own] + wide) near.push_back(b);
+    if (b == own || !(distance < reach_[b] + reach_[own] + wide)) continue;
+    const Vec3 away = Vec3::Constant(wide + spacing_);  // places lie less than a spacing below the surface
+    near.push_back({b, rotation_of(states[b]).conjugate(), Vec3::Map(states[b].position), bounds_[b].min - away,
+                    bounds_[b].max + away});
   }
-  if (near.empty()) return false;
-  covered_.assign(face.places.size(), {});
+  if (near.empty() ||
+      std::ranges::none_of(face.places, [&](const Place& place) { return wet(place.sample).has_value(); }))
+    return false;
+  face.covered.assign(face.places.size(), {});
   bool any = false;
   const Quat q = rotation_of(states[own]);
   for (std::size_t i = 0; i < face.places.size(); ++i) {
-    Covered& c = covered_[i];
+    Covered& c = face.covered[i];
     const std::uint32_t s = face.places[i].sample;
     // Towards the other solid, not along the sample's own normal: a sample at an edge stands for both faces.
     const Vec3 centre = Vec3::Map(states[own].position) + q * samples_.local[s].cast<double>();
-    const auto local = [&](std::uint32_t b) {
-      return Vec3(rotation_of(states[b]).conjugate() * (centre - Vec3::Map(states[b].position)));
-    };
     double least = wide;
-    for (const std::uint32_t b : near) {
-      const double gap = bodies_[b].solid.distance(local(b)) - samples_.depth[s];
-      if (gap < least) least = gap, c.other = b;
+    const Near* nearest = nullptr;
+    for (const Near& other : near) {
+      const Vec3 local = other.to_local * (centre - other.position);
+      if ((local.array() < other.low.array()).any() || (local.array() > other.high.array()).any()) continue;
+      const double gap = bodies_[other.body].solid.distance(local) - samples_.depth[s];
+      if (gap < least) least = gap, nearest = &other;
     }
     c.gap = least;
     c.share = std::clamp((kWide - least / spacing_) / (kWide - kNarrow), 0.0, 1.0);
+    if (nearest) c.other = nearest->body;
     if (!(c.share > 0)) continue;
-    c.normal = -(rotation_of(states[c.other]) * bodies_[c.other].solid.normal(local(c.other)));
+    const Vec3 local = nearest->to_local * (centre - nearest->position);
+    c.normal = -(rotation_of(states[c.other]) * bodies_[c.other].solid.normal(local));
     c.point = centre + samples_.depth[s] * c.normal;
     any = true;
   }
@@ -281,16 +310,17 @@ bool Seepage::cover(const Face& face, std::span<const exchange::BodyState> state
 
 /// Head of the covered places that are not wet themselves, from those that are, as far as they hang together: the
 /// graph's Laplacian of it is zero.
-void Seepage::spread(const Face& face) {
-  std::vector<std::uint32_t> open, number(covered_.size(), 0);
-  for (std::uint32_t i = 0; i < covered_.size(); ++i)
-    if (covered_[i].known) open.push_back(i);
+void Seepage::spread(Face& face) const {
+  std::vector<Covered>& covered = face.covered;
+  std::vector<std::uint32_t> open, number(covered.size(), 0);
+  for (std::uint32_t i = 0; i < covered.size(); ++i)
+    if (covered[i].known) open.push_back(i);
   std::vector<std::uint32_t> unknown;
   while (!open.empty()) {
     const std::uint32_t i = open.back();
     open.pop_back();
     for (const std::uint32_t j : face.places[i].neighbours) {
-      Covered& c = covered_[j];
+      Covered& c = covered[j];
       if (c.reached || !(c.share > 0)) continue;
       c.reached = true;
       number[j] = static_cast<std::uint32_t>(unknown.size());
@@ -305,10 +335,10 @@ void Seepage::spread(const Face& face) {
   for (Eigen::Index row = 0; row < n; ++row) {
     const std::uint32_t i = unknown[static_cast<std::size_t>(row)];
     for (const std::uint32_t j : face.places[i].neighbours) {
-      if (!covered_[j].reached) continue;
+      if (!covered[j].reached) continue;
       entries.emplace_back(row, row, 1.0);
-      if (covered_[j].known)
-        right[row] += covered_[j].head;
+      if (covered[j].known)
+        right[row] += covered[j].head;
       else
         entries.emplace_back(row, static_cast<Eigen::Index>(number[j]), -1.0);
     }
@@ -317,13 +347,15 @@ void Seepage::spread(const Face& face) {
   laplacian.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(laplacian);
   const Eigen::VectorXd head = factor.solve(right);
-  for (Eigen::Index row = 0; row < n; ++row) covered_[unknown[static_cast<std::size_t>(row)]].head = head[row];
+  for (Eigen::Index row = 0; row < n; ++row) covered[unknown[static_cast<std::size_t>(row)]].head = head[row];
 }
 
 std::size_t Seepage::memory() const {
-  std::size_t sum = covered_.capacity() * sizeof(Covered);
-  for (const Face& face : faces_)
+  std::size_t sum = 0;
+  for (const Face& face : faces_) {
+    sum += face.covered.capacity() * sizeof(Covered);
     for (const Place& place : face.places) sum += sizeof(Place) + place.neighbours.capacity() * sizeof(std::uint32_t);
+  }
   return sum;
 }
 

@@ -19,14 +19,15 @@ class Seepage {
  public:
   /// `bodies` and `samples` must outlive this. `gravity` in m/s^2, `density` of the fluid in kg/m^3.
   Seepage(const Scene& scene, const Samples& samples, std::span<const Body> bodies, const Kernel& kernel,
-          const Vec3& gravity, double density);
+          const Vec3& gravity, double density, int threads = 1);
 
   /// What the fluid does to a wet sample.
   struct Wet {
-    double pressure;  ///< Pa
+    double pressure;  ///< that it bears, Pa
+    double seen;      ///< of the particles around it, Pa; the same but for thin sheets
     Vec3 area;        ///< force per unit of pressure, m^2
   };
-  /// Of a sample, by its index; nothing if it is dry.
+  /// Of a sample, by its index; nothing if it is dry. Called from all threads.
   using FindWet = std::function<std::optional<Wet>(std::uint32_t)>;
   /// Finds the films and their pressure. Where particles press on a place already, no film does.
   void solve(std::span<const exchange::BodyState> states, const FindWet& wet);
@@ -54,9 +55,21 @@ class Seepage {
     double area;
     std::vector<std::uint32_t> neighbours;  // places of the same body
   };
+  struct Covered {
+    std::uint32_t other = 0;  // the solid that lies against it
+    double gap = 0;
+    double share = 0;  // 1: a narrow gap, 0: none or one that particles fit into
+    double head = 0;
+    double bears = 0;  // share of its area that the film bears
+    bool known = false, reached = false, dry = false;
+    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
+  };
   struct Face {
     std::uint32_t body;
     std::vector<Place> places;
+    // of the step at hand
+    bool has_films = false;
+    std::vector<Covered> covered;  // by place
   };
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   struct Film {  // between a free body and one side of another solid
@@ -69,21 +82,13 @@ class Seepage {
     void scale(double by);
   };
   Film& film(std::uint32_t body, std::uint32_t other, const Vec3& normal);
-  struct Covered {
-    std::uint32_t other = 0;  // the solid that lies against it
-    double gap = 0;
-    double share = 0;  // 1: a narrow gap, 0: none or one that particles fit into
-    double head = 0;
-    bool known = false, reached = false, dry = false;
-    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
-  };
   struct Column {  // of a lattice behind the other solid's surface, along and across the face
     int along, across;
     double weight;  // share of the area of a place that it bears
   };
-  bool cover(const Face& face, std::span<const exchange::BodyState> states);
+  bool cover(Face& face, std::span<const exchange::BodyState> states, const FindWet& wet) const;
   double bearing(const Covered& covered, const Quat& rotation, const exchange::BodyState& other) const;
-  void spread(const Face& face);
+  void spread(Face& face) const;
   bool counted(const Face& face, std::uint32_t other) const;
   struct Closed {  // a body with water or films on every side
     explicit Closed(std::uint32_t of) : body(of) {}
@@ -91,7 +96,7 @@ class Seepage {
     Vec3 open = Vec3::Zero();  // force per unit of pressure that its samples leave open, m^2
   };
   double column(const Vec3& point, const exchange::BodyState& state) const;
-  void read_rims(const Face& face, const exchange::BodyState& state, const FindWet& wet);
+  void read_rims(Face& face, const exchange::BodyState& state, const FindWet& wet) const;
   void bear(const Face& face, std::span<const exchange::BodyState> states);
   void note_closed(const Face& face, const FindWet& wet);
   void close();
@@ -99,13 +104,14 @@ class Seepage {
   std::span<const Body> bodies_;
   const Samples& samples_;
   double spacing_;
+  int threads_;
   bool closes_;  // whether areas are set by what a uniform pressure leaves open: README.md
   double density_;
   Vec3 weight_;                // density times gravity
+  std::vector<Box3> bounds_;   // of each body in its frame; infinite for planes
   std::vector<double> reach_;  // of each body's surface from its centre; infinite for planes
   std::vector<Column> columns_;
   std::vector<Face> faces_;
-  std::vector<Covered> covered_;
   std::vector<Film> films_;
   std::vector<Closed> closed_;
   std::vector<exchange::Wrench> wrenches_;

@@ -104,7 +104,8 @@ class Pairs {
          total(wmu),
          total(a),
          {total(ax), total(ay), total(az)},
-         std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2)))};
+         std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2))),
+         1.f};
     return s;
   }
 

@@ -54,6 +54,7 @@ struct SampleSums {
   float a;        ///< sum V_k 2 mu g           (viscous only)
   float av[3];    ///< sum V_k 2 mu g v_k       (viscous only)
   float nearest;  ///< distance to the nearest neighbour, m; 0 if dry
+  float share;    ///< by which the pressure that the sample extrapolates is scaled: 1, less where the solver says so
 };
 
 /// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of

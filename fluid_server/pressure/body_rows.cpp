@@ -1,8 +1,10 @@
 // The bodies' part of the pressure system.
 #include "fluid_server/pressure/body_rows.h"
 
+#include <omp.h>
+
 #include <Eigen/Dense>
-#include <cmath>
+#include <algorithm>
 #include <map>
 
 #include "fluid_server/pressure/sums.h"
@@ -27,83 +29,103 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
                      const PassConstants& constants, double dt) {
   threads_ = constants.threads;
   root_.assign(states.size(), Matrix6::Zero());
-  free_.assign(states.size(), 0);
+  bool any = false;
   for (std::size_t b = 0; b < states.size(); ++b) {
     const auto mobility = mobility_of(states[b]);
     if (mobility.isZero(0)) continue;
-    free_[b] = 1;
+    any = true;
     root_[b] = root_of(mobility);
   }
-  sum_of_sample_.assign(items.size(), kNone);
-  arm_.resize(sums.size());
-  for (std::uint32_t s = 0; s < sums.size(); ++s) {
-    const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
-    const std::uint32_t body = samples.body[sample];
-    if (!free_[body] || !(sums[s].w > 0)) continue;
-    sum_of_sample_[item] = s;
-    const exchange::BodyState& state = states[body];
-    const Quat q = rotation_of(state);
-    arm_[s] = (q * samples.local[sample].cast<double>()).cast<float>();
-  }
-  const std::size_t particles = items.fluid_item.size(), blocks = (particles + kSumBlock - 1) / kSumBlock;
-  std::vector<std::vector<Row>> part(blocks);
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (std::size_t block = 0; block < blocks; ++block)
-    add_rows(items, samples, sums, inverse_w, constants, static_cast<std::uint32_t>(block * kSumBlock),
-             static_cast<std::uint32_t>(std::min(particles, (block + 1) * kSumBlock)), part[block]);
   row_.clear();
-  for (const auto& some : part) row_.insert(row_.end(), some.begin(), some.end());
-  for (Row& row : row_) {
-    Vector6 wrench;
-    for (int k = 0; k < 6; ++k) wrench[k] = row.u[k];
-    const Vector6 u = dt * (root_[row.body] * wrench);
-    for (int k = 0; k < 6; ++k) row.u[k] = static_cast<float>(u[k]);
-  }
-  particle_start_.clear();
   first_.assign(states.size() + 1, 0);
-  for (std::uint32_t r = 0; r < row_.size(); ++r) {
-    if (r == 0 || row_[r].particle != row_[r - 1].particle) particle_start_.push_back(r);
-    ++first_[row_[r].body + 1];
+  if (!any) return;
+  find_wet(items, samples, sums);
+  part_.resize(states.size());
+  row_of_.resize(static_cast<std::size_t>(threads_));
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
+  for (std::uint32_t b = 0; b < states.size(); ++b) {
+    std::vector<std::uint32_t>& row_of = row_of_[static_cast<std::size_t>(omp_get_thread_num())];
+    row_of.resize(items.fluid_item.size(), kNone);
+    part_[b].clear();
+    add_rows(items, samples, states[b], b, sums, inverse_w, constants, row_of, part_[b]);
+    for (Row& row : part_[b]) {
+      row_of[row.particle] = kNone;
+      const Vector6 u = dt * (root_[b] * Eigen::Map<const Eigen::Matrix<float, 6, 1>>(row.u).cast<double>());
+      Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.u) = u.cast<float>();
+    }
+    std::sort(part_[b].begin(), part_[b].end(), [](const Row& p, const Row& q) { return p.particle < q.particle; });
   }
-  particle_start_.push_back(static_cast<std::uint32_t>(row_.size()));
-  for (std::size_t b = 1; b < first_.size(); ++b) first_[b] += first_[b - 1];
-  by_body_.resize(row_.size());
-  std::vector<std::uint32_t> cursor(first_.begin(), first_.end() - 1);
-  for (std::uint32_t r = 0; r < row_.size(); ++r) by_body_[cursor[row_[r].body]++] = r;
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    row_.insert(row_.end(), part_[b].begin(), part_[b].end());
+    first_[b + 1] = static_cast<std::uint32_t>(row_.size());
+  }
+  index_particles(items.fluid_item.size());
+}
+
+/// Wet samples of the bodies that have mobility.
+void BodyRows::find_wet(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums) {
+  first_wet_.assign(root_.size() + 1, 0);
+  const auto for_each_wet = [&](auto&& what) {
+    for (std::uint32_t s = 0; s < sums.size(); ++s) {
+      const std::uint32_t sample = items.source[items.sample_item[s]] & ~Neighbourhood::kSample;
+      if (sample < samples.first_moving || !(sums[s].w > 0)) continue;
+      if (!root_[samples.body[sample]].isZero(0)) what(s, samples.body[sample]);
+    }
+  };
+  for_each_wet([&](std::uint32_t, std::uint32_t body) { ++first_wet_[body + 1]; });
+  for (std::size_t b = 1; b < first_wet_.size(); ++b) first_wet_[b] += first_wet_[b - 1];
+  wet_.resize(first_wet_.back());
+  std::vector<std::uint32_t> cursor(first_wet_.begin(), first_wet_.end() - 1);
+  for_each_wet([&](std::uint32_t s, std::uint32_t body) { wet_[cursor[body]++] = s; });
 }
 
 /// A unit of pressure in particle i pushes sample s by -V_s V_i g (x_s - x_i) directly, and through what the sample
 /// extrapolates, V_i W / sum V W, by that share of the sample's area -V_s sum V_k g (x_s - x_k).
-void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
-                        const std::vector<float>& inverse_w, const PassConstants& constants, std::uint32_t begin,
-                        std::uint32_t end, std::vector<Row>& out) const {
-  const Coordinates& coordinates = items.coordinates();
-  const Eigen::Vector3f quantum = coordinates.quantum.cast<float>();
-  for (std::uint32_t f = begin; f < end; ++f) {
-    const std::uint32_t item = items.fluid_item[f];
+void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, const exchange::BodyState& state,
+                        std::uint32_t body, const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
+                        const PassConstants& constants, std::vector<std::uint32_t>& row_of,
+                        std::vector<Row>& out) const {
+  const Eigen::Vector3f quantum = items.coordinates().quantum.cast<float>();
+  const Quat q = rotation_of(state);
+  for (std::uint32_t w = first_wet_[body]; w < first_wet_[body + 1]; ++w) {
+    const std::uint32_t s = wet_[w], item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
     const Record& own = items.record[item];
+    const Eigen::Vector3f arm = (q * samples.local[sample].cast<double>()).cast<float>();
+    const Eigen::Vector3f area = Eigen::Vector3f::Map(sums[s].g);
     const std::uint32_t* list = items.lists.of(item);
-    const std::size_t mine = out.size();
     for (std::uint32_t k = 0; k < items.lists.count[item]; ++k) {
-      const std::uint32_t s = sum_of_sample_[list[k]];
-      if (s == kNone) continue;
       const Record& other = items.record[list[k]];
-      Eigen::Vector3f r(static_cast<float>(static_cast<std::int32_t>(other.x - own.x)) * quantum[0],
-                        static_cast<float>(static_cast<std::int32_t>(other.y - own.y)) * quantum[1],
-                        static_cast<float>(static_cast<std::int32_t>(other.z - own.z)) * quantum[2]);
+      Eigen::Vector3f r(static_cast<float>(static_cast<std::int32_t>(own.x - other.x)) * quantum[0],
+                        static_cast<float>(static_cast<std::int32_t>(own.y - other.y)) * quantum[1],
+                        static_cast<float>(static_cast<std::int32_t>(own.z - other.z)) * quantum[2]);
       if (constants.kernel.dimension == 2) r[1] = 0;
       const double distance = r.norm();
-      const float volume = -other.volume, slope = static_cast<float>(constants.kernel.slope_over_r(distance));
-      const float share = own.volume * static_cast<float>(constants.kernel.value(distance)) * inverse_w[s];
-      const Eigen::Vector3f push = -volume * (own.volume * slope * r + share * Eigen::Vector3f::Map(sums[s].g));
-      const Eigen::Vector3f turn = arm_[s].cross(push);
-      const std::uint32_t body = samples.body[items.source[list[k]] & ~Neighbourhood::kSample];
-      std::size_t at = mine;
-      while (at < out.size() && out[at].body != body) ++at;
-      if (at == out.size()) out.push_back({f, body, {}});
-      for (int c = 0; c < 3; ++c) out[at].u[c] += push[c], out[at].u[3 + c] += turn[c];
+      const float volume = -own.volume, slope = static_cast<float>(constants.kernel.slope_over_r(distance));
+      const float share = other.volume * static_cast<float>(constants.kernel.value(distance)) * inverse_w[s];
+      const Eigen::Vector3f push = -volume * (other.volume * slope * r + share * area);
+      const Eigen::Vector3f turn = arm.cross(push);
+      const std::uint32_t particle = items.source[list[k]];
+      if (row_of[particle] == kNone) {
+        row_of[particle] = static_cast<std::uint32_t>(out.size());
+        out.push_back({particle, body, {}});
+      }
+      Row& row = out[row_of[particle]];
+      for (int c = 0; c < 3; ++c) row.u[c] += push[c], row.u[3 + c] += turn[c];
     }
   }
+}
+
+void BodyRows::index_particles(std::size_t particles) {
+  std::vector<std::uint32_t> at(particles + 1, 0);
+  for (const Row& row : row_) ++at[row.particle + 1];
+  particle_start_.clear();
+  for (std::size_t p = 0; p < particles; ++p) {
+    if (at[p + 1] > 0) particle_start_.push_back(at[p]);
+    at[p + 1] += at[p];
+  }
+  particle_start_.push_back(static_cast<std::uint32_t>(row_.size()));
+  by_particle_.resize(row_.size());
+  for (std::uint32_t r = 0; r < row_.size(); ++r) by_particle_[at[row_[r].particle]++] = r;
 }
 
 void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
@@ -112,7 +134,7 @@ void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
   for (std::size_t b = 0; b < root_.size(); ++b) {
     y[b].setZero();
     for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
-      const Row& row = row_[by_body_[k]];
+      const Row& row = row_[k];
       const double value = x[row.particle];
       for (int c = 0; c < 6; ++c) y[b][c] += value * row.u[c];
     }
@@ -124,10 +146,11 @@ void BodyRows::for_each_row(std::span<const Vector6> y, Add&& add) const {
   const std::size_t count = particle_start_.size() - 1;
 #pragma omp parallel for num_threads(threads_) schedule(static) if (row_.size() > kSerial)
   for (std::size_t p = 0; p < count; ++p)
-    for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r) {
+    for (std::uint32_t k = particle_start_[p]; k < particle_start_[p + 1]; ++k) {
+      const Row& row = row_[by_particle_[k]];
       double sum = 0;
-      for (int c = 0; c < 6; ++c) sum += row_[r].u[c] * y[row_[r].body][c];
-      add(row_[r].particle, static_cast<float>(sum));
+      for (int c = 0; c < 6; ++c) sum += row.u[c] * y[row.body][c];
+      add(row.particle, static_cast<float>(sum));
     }
 }
 
@@ -147,13 +170,14 @@ void BodyRows::factor(std::span<const float> diagonal) {
   if (unknowns_ == 0) return;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Matrix6> blocks;
   for (std::size_t p = 0; p + 1 < particle_start_.size(); ++p) {
-    const double weight = 1.0 / diagonal[row_[particle_start_[p]].particle];
+    const double weight = 1.0 / diagonal[row_[by_particle_[particle_start_[p]]].particle];
     for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r)
       for (std::uint32_t s = particle_start_[p]; s < particle_start_[p + 1]; ++s) {
-        const std::uint32_t a = slot_[row_[r].body], c = slot_[row_[s].body];
+        const Row &one = row_[by_particle_[r]], &two = row_[by_particle_[s]];
+        const std::uint32_t a = slot_[one.body], c = slot_[two.body];
         if (a < c) continue;  // the lower half is enough
-        const Vector6 u = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(row_[r].u).cast<double>();
-        const Vector6 v = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(row_[s].u).cast<double>();
+        const Vector6 u = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(one.u).cast<double>();
+        const Vector6 v = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(two.u).cast<double>();
         auto [entry, created] = blocks.try_emplace({a, c}, Matrix6::Zero());
         entry->second.noalias() += weight * u * v.transpose();
       }
@@ -184,8 +208,11 @@ void BodyRows::solve(std::vector<Vector6>& y) const {
 }
 
 std::size_t BodyRows::memory() const {
-  return row_.capacity() * sizeof(Row) + (by_body_.capacity() + first_.capacity() + particle_start_.capacity()) * 4 +
-         sum_of_sample_.capacity() * 4 + arm_.capacity() * sizeof(Eigen::Vector3f) + root_.capacity() * sizeof(Matrix6);
+  std::size_t words = by_particle_.capacity() + first_.capacity() + particle_start_.capacity() + wet_.capacity();
+  std::size_t rows = row_.capacity();
+  for (const auto& part : part_) rows += part.capacity();
+  for (const auto& row_of : row_of_) words += row_of.capacity();
+  return rows * sizeof(Row) + words * sizeof(std::uint32_t) + root_.capacity() * sizeof(Matrix6);
 }
 
 }  // namespace ballast::fluid

@@ -47,19 +47,22 @@ class BodyRows {
   /// add(particle, U_ib . y_b) for every row.
   template <class Add>
   void for_each_row(std::span<const Vector6> y, Add&& add) const;
-  void add_rows(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums,
-                const std::vector<float>& inverse_w, const PassConstants& constants, std::uint32_t begin,
-                std::uint32_t end, std::vector<Row>& out) const;
+  void find_wet(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums);
+  void add_rows(const Neighbourhood& items, const Samples& samples, const exchange::BodyState& state,
+                std::uint32_t body, const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
+                const PassConstants& constants, std::vector<std::uint32_t>& row_of, std::vector<Row>& out) const;
+  void index_particles(std::size_t particles);
 
   int threads_ = 1;
-  std::vector<Row> row_;                        // in order of particles
-  std::vector<std::uint32_t> by_body_, first_;  // row indices by body
-  std::vector<std::uint32_t> particle_start_;   // first row of each particle that has one, and the end
-  std::vector<Matrix6> root_;                   // sqrt of the mobility, per body; zero without
-  std::vector<std::uint8_t> free_;              // has mobility
-  std::vector<std::uint32_t> sum_of_sample_;    // index into sums, by item; only samples of free bodies
-  std::vector<Eigen::Vector3f> arm_;            // of each sum's sample, m
-  std::vector<std::uint32_t> slot_;             // of each body among those with rows, ~0u without
+  std::vector<Row> row_;                            // by body, in it by particle
+  std::vector<std::uint32_t> first_;                // first row of each body, and the end
+  std::vector<std::uint32_t> by_particle_;          // row indices by particle
+  std::vector<std::uint32_t> particle_start_;       // in by_particle_: of each particle that has a row, and the end
+  std::vector<Matrix6> root_;                       // sqrt of the mobility, per body; zero without
+  std::vector<std::uint32_t> wet_, first_wet_;      // indices into the sums of wet samples, by body
+  std::vector<std::vector<Row>> part_;              // rows of each body, before they are joined
+  std::vector<std::vector<std::uint32_t>> row_of_;  // by thread: row of each particle in the body at hand
+  std::vector<std::uint32_t> slot_;                 // of each body among those with rows, ~0u without
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
   std::size_t unknowns_ = 0;
   double norm_ = 0;

@@ -18,7 +18,6 @@ constexpr float kMost = 0.02f;                  // beyond kNoise, that a step ta
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
-constexpr std::size_t kHistory = 5;
 // Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
 constexpr double kYielding = 0.05;
 
@@ -147,10 +146,7 @@ void ImplicitPressure::balance_closed(const Particles& particles, double mean_di
 }
 
 void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
-  for (std::size_t s = 0; s < sums.size(); ++s) {
-    sums[s].wp *= share_[s];
-    for (float& x : sums[s].wr) x *= share_[s];
-  }
+  for (std::size_t s = 0; s < sums.size(); ++s) sums[s].share = share_[s];
 }
 
 /// Compression follows the divergence, which keeps the volume but forgets positions. Inside the fluid it is pulled to
@@ -286,8 +282,8 @@ bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gra
   foreseen_.resize(reduced_.size());
   for (std::size_t b = 0; b < reduced_.size(); ++b) foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_;
   history_.push_back(foreseen_);
-  if (history_.size() > kHistory + 1) history_.pop_front();
-  if (!density || history_.size() <= kHistory) return false;
+  if (history_.size() > options_.body_products + 1) history_.pop_front();
+  if (!density || history_.size() <= options_.body_products) return false;
   for (std::size_t b = 0; b < foreseen_.size(); ++b) {
     const double size = std::max(foreseen_[b].head<3>().norm(), gravity_);
     if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > options_.body_tolerance * size) return false;

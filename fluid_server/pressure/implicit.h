@@ -18,8 +18,9 @@ namespace ballast::fluid {
 /// What one step asks of the solver.
 struct ImplicitOptions {
   double tolerance = 1e-5;       ///< mean density error left by a step
-  double body_tolerance = 1e-3;  ///< change of a body's acceleration over five products, of max(|a|, |G|)
-  int most_products = 2000;      ///< beyond which a step is counted as unreached
+  double body_tolerance = 1e-3;  ///< change of a body's acceleration over `body_products`, of max(|a|, |G|)
+  std::size_t body_products = 5;
+  int most_products = 2000;  ///< beyond which a step is counted as unreached
 };
 
 /// Sums over the run, for the record.

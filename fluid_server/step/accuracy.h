@@ -8,7 +8,8 @@ struct AccuracyClass {
   double courant;              ///< explicit: of h / (c + v), the step
   double gravity_share;        ///< implicit: of sqrt(d / |G|), the step
   double tolerance;            ///< implicit: mean density error that a step may leave, of gravity_share^2
-  double body_tolerance;       ///< implicit: of a body's acceleration, of max(|a|, |G|)
+  double body_tolerance;       ///< implicit: change of a body's acceleration, of max(|a|, |G|) ...
+  std::size_t body_products;   ///< ... over this many products
   double interface_tolerance;  ///< iterated scheme: interface residual that a step may leave, relative
   bool cubic_in_3d;            ///< cubic spline with support 2 d in 3-D, else Wendland C2 with 2.9 d
 };
@@ -16,13 +17,13 @@ struct AccuracyClass {
 constexpr AccuracyClass settings_of(Accuracy accuracy) {
   switch (accuracy) {
     case Accuracy::kInteractive:
-      return {0.6, 0.2, 5e-3, 1e-1, 3e-2, true};
+      return {0.6, 0.2, 5e-3, 1e-1, 2, 3e-2, true};
     case Accuracy::kBalanced:
-      return {0.5, 0.1, 1e-3, 1e-3, 1e-2, false};
+      return {0.5, 0.1, 1e-3, 1e-3, 5, 1e-2, false};
     case Accuracy::kAccurate:
       break;
   }
-  return {0.25, 0.05, 1e-3, 1e-3, 1e-3, false};
+  return {0.25, 0.05, 1e-3, 1e-3, 5, 1e-3, false};
 }
 
 }  // namespace ballast::fluid

@@ -11,8 +11,9 @@ namespace ballast::fluid {
 /// What the present state says about the next step.
 struct StepFacts {
   double max_speed = 0;         ///< of particles and samples, m/s
+  double meeting_speed = 0;     ///< the same against what is around them (meeting_speed.h); explicit: max_speed
   double max_acceleration = 0;  ///< of particles, m/s^2
-  double max_move = 0;          ///< in the step just done, spacings
+  double max_move = 0;          ///< in the step just done, at that speed, spacings
   double drag_rate = 0;         ///< at which viscosity slows the lightest body, 1/s; 0 where it cannot matter
   bool finite = true;           ///< no NaN anywhere
 };
@@ -54,8 +55,8 @@ struct Step {
 inline double viscous_step(double h, double kinematic_viscosity) { return h * h / (8 * kinematic_viscosity); }
 
 /// Shortest of: courant h / (c + v); h^2 / (8 nu) and 1 / drag_rate; sqrt(h / a) / 4 (Monaghan 1992); the engine's
-/// bound; what is left to `end`. An implicit fluid has no sound: longest_move d / v and gravity_step in the place of
-/// the first and third. A step that would leave less than half a step is stretched over what is left.
+/// bound; what is left to `end`. An implicit fluid has no sound: longest_move d / (meeting speed) and gravity_step in
+/// the place of the first and third. A step that would leave less than half a step is stretched over what is left.
 Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine_bound, double time, double end);
 
 }  // namespace ballast::fluid

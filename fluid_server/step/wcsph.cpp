@@ -9,6 +9,7 @@
 
 #include "common/exchange/hash.h"
 #include "fluid_server/pressure/sums.h"
+#include "fluid_server/step/meeting_speed.h"
 
 namespace ballast::fluid {
 
@@ -146,14 +147,19 @@ void WcsphFluid::move() {
       acceleration2 = std::max(acceleration2, a2);
       check += (v2 + std::abs(r.p)) * 0;  // NaN if anything is not finite
     }
-    facts_.max_speed = std::sqrt(speed2);
+    facts_.max_speed = facts_.meeting_speed = std::sqrt(speed2);
     facts_.max_acceleration = std::sqrt(acceleration2);
-    facts_.max_move = facts_.max_speed * dt / spacing_;
     facts_.finite = check == 0;
+    if (implicit_ && facts_.finite) {
+      // In free flight up to half of the support, so that what comes into sight is never passed.
+      const double alone = StepLimits{}.longest_move * spacing_ / (0.5 * constants_.kernel.support);
+      facts_.meeting_speed = meeting_speed(particles_, *items_, alone, constants_.threads);
+    }
+    facts_.max_move = facts_.meeting_speed * dt / spacing_;
     for (const Record& r : samples_->moving()) {
-      const double v2 =
-          static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
-      facts_.max_speed = std::max(facts_.max_speed, std::sqrt(v2));
+      const double v = std::hypot(r.vx, r.vy, r.vz);
+      facts_.max_speed = std::max(facts_.max_speed, v);
+      facts_.meeting_speed = std::max(facts_.meeting_speed, v);
     }
     if (left) remove_lost();
   }

@@ -149,7 +149,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
         buoyancy[b] = -self.filled_.fluids[0].density * bodies[b].solid.mass_properties().volume * scene.world.gravity;
   std::unique_ptr<Seepage> films;
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
-    films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density);
+    films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density,
+                                      threads);
   self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
                                               scene.coupling.contact_sets, self.spacing_, threads);
   self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
@@ -159,9 +160,11 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.particles_.compression.assign(self.particles_.size(), 0.f);
     self.implicit_options_.tolerance = settings.tolerance * settings.gravity_share * settings.gravity_share;
     self.implicit_options_.body_tolerance = settings.body_tolerance;
+    self.implicit_options_.body_products = settings.body_products;
   }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));
+  self.facts_.meeting_speed = self.facts_.max_speed;
   self.facts_.max_acceleration = scene.world.gravity.norm();
   return fluid;
 }

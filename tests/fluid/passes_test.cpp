@@ -10,14 +10,14 @@
 namespace ballast::fluid {
 namespace {
 
-struct Case {
+struct PassCase {
   int dimension;
   KernelKind kind;
   bool periodic;
   int threads;
 };
 
-class Passes : public ::testing::TestWithParam<Case> {
+class Passes : public ::testing::TestWithParam<PassCase> {
  protected:
   static constexpr double kSpacing = 0.02;
 
@@ -327,10 +327,11 @@ TEST_P(Passes, PressureOperatorIsSymmetricAndPositive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Passes,
-                         ::testing::Values(Case{3, KernelKind::kCubic, false, 1},
-                                           Case{3, KernelKind::kWendland, false, 2},
-                                           Case{3, KernelKind::kCubic, true, 3}, Case{2, KernelKind::kCubic, false, 2},
-                                           Case{2, KernelKind::kWendland, true, 2}));
+                         ::testing::Values(PassCase{3, KernelKind::kCubic, false, 1},
+                                           PassCase{3, KernelKind::kWendland, false, 2},
+                                           PassCase{3, KernelKind::kCubic, true, 3},
+                                           PassCase{2, KernelKind::kCubic, false, 2},
+                                           PassCase{2, KernelKind::kWendland, true, 2}));
 
 }  // namespace
 }  // namespace ballast::fluid
