@@ -161,7 +161,7 @@ void Report::count_energy(double time) {
   energy_.measure(last_);
   if (fine && energy_.share() > kEnergyWarning)
     warn(fmt::format(
-        "at t = {:.4g} s the fluid had gained {:.3g} J that nobody gave it, {:.2g} % of the {:.3g} J at play: {}", time,
+        "at t = {:.4g} s the fluid had gained {:.3g} J that nobody gave it, {:.3g} % of the {:.3g} J at play: {}", time,
         energy_.gain(), 100 * energy_.share(), energy_.reference(),
         fluid_.implicit() ? "set world.accuracy: accurate, or make world.spacing smaller where bodies come off a wall"
                           : "lower numerics.courant, or make world.spacing smaller where bodies come off a wall"));
