@@ -61,7 +61,7 @@ Error post_mortem(const Scene& scene, const std::vector<Body>& bodies, const Wcs
                               kMostMach * c, kMostMach);
   else if (step.energy_share > scene.numerics.energy_bound)
     error.what += fmt::format(
-        "the fluid has gained {:.3g} J that nobody gave it, {:.2g} % of the energy at play, limit {:.2g} % "
+        "the fluid has gained {:.3g} J that nobody gave it, {:.3g} % of the energy at play, limit {:.2g} % "
         "(numerics.energy_bound)",
         step.energy_gain, 100 * step.energy_share, 100 * scene.numerics.energy_bound);
   else

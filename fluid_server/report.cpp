@@ -161,7 +161,7 @@ void Report::count_energy(double time) {
   energy_.measure(last_);
   if (fine && energy_.share() > kEnergyWarning)
     warn(fmt::format(
-        "at t = {:.4g} s the fluid had gained {:.3g} J that nobody gave it, {:.2g} % of the {:.3g} J at play: {}", time,
+        "at t = {:.4g} s the fluid had gained {:.3g} J that nobody gave it, {:.3g} % of the {:.3g} J at play: {}", time,
         energy_.gain(), 100 * energy_.share(), energy_.reference(),
         fluid_.implicit() ? "set world.accuracy: accurate, or make world.spacing smaller where bodies come off a wall"
                           : "lower numerics.courant, or make world.spacing smaller where bodies come off a wall"));
@@ -300,6 +300,17 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
         fmt::format("sorting and sums of {:.0f} of {} samples a step",
                     static_cast<double>(idle.samples) / static_cast<double>(idle.steps), fluid_.samples().size()),
         "none: their sums would be empty"));
+  const std::uint64_t computed = step - std::min(step, sleep.steps());
+  if (const std::size_t fixed = fluid_.samples().fixed().size(); fixed > 0)
+    j["left_out"].push_back(
+        left_out("sorting of static samples", "static bodies do not move",
+                 fmt::format("placing and sorting of {} samples in each of {} steps", fixed, computed),
+                 "none: they are where they were"));
+  if (interface.iterates() && computed > interface.report().steps)
+    j["left_out"].push_back(
+        left_out("repetitions of dry steps", "no body that moves freely touched fluid",
+                 fmt::format("all but one exchange in {} of {} steps", computed - interface.report().steps, computed),
+                 "none: nothing to agree about"));
   const RelaxReport& relaxed = fluid_.relax_report();
   j["relaxation"] = {
       {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};

@@ -159,6 +159,7 @@ std::string Act::take(const RunCommand& command, std::uint64_t step, std::uint64
   } else {
     refused = sent.error().what;
   }
+  if (!book_.keeps_refused()) return "";
   entry["refused"] = refused, entry["step"] = done, entry["time_s"] = time;
   book_.add(std::move(entry));
   return fmt::format("after step {} the command {} was refused: {}", done, command.action, refused);

@@ -89,7 +89,7 @@ int plan(const std::string& scene, const Overrides& overrides) {
   if (p.fluid && p.rigid) {
     fmt::print(
         "\nexchange\n  scheme {}{}\n  every step: states and mobilities to the fluid, wrenches{} to the engine\n",
-        coupling.scheme, because(p.choices.scheme_reason), coupling.contact_sets ? " and contact sets" : "");
+        coupling.scheme, because(p.choices.scheme_reason), p.contact_sets ? " and contact sets" : "");
   }
   if (p.fluid) print_passes(p.scene);
   if (p.scene.world.sleep_speed > 0)
@@ -102,7 +102,7 @@ int plan(const std::string& scene, const Overrides& overrides) {
   if (p.scene.output.picture) fmt::print("  picture.png: the last state\n");
   if (p.scene.output.lcm) {
     fmt::print("  over LCM: status, warnings{}{}{}{}\n", p.rigid ? ", bodies" : "", p.fluid ? ", fluid" : "",
-               p.fluid && p.rigid ? (coupling.contact_sets ? ", wrenches, contacts" : ", wrenches") : "",
+               p.fluid && p.rigid ? (p.contact_sets ? ", wrenches, contacts" : ", wrenches") : "",
                p.fluid && p.scene.output.lcm_particles > 0
                    ? fmt::format(", at most {} particles a frame", p.scene.output.lcm_particles)
                    : "");

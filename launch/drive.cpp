@@ -331,6 +331,7 @@ class Driver {
     if (outcome_.interrupted) fail(kProcessFailed, "stopped by " + outcome_.stopped_by);
     if (commanded_) outcome_.stopped_after = done().step;
     act_.close();
+    obey_.close();
     outcome_.commands = obey_.record();
     int worst = kFine;
     std::string messages;

@@ -11,12 +11,16 @@ namespace {
 constexpr std::size_t kHash = 8, kSteps = 8, kNumbers = 8 * (3 + 3 + 1 + 3 + 4 + 3), kLongest = 64;
 
 /// Bytes of a text at `at` as lcm-gen writes it: length with its zero (4, big-endian), text, zero. Nothing if it does
-/// not end within `size`.
+/// not end within `size`, or holds what no action and no name of a scene has: it goes into the record, which is JSON,
+/// and onto the terminal.
 std::optional<std::size_t> text(const unsigned char* bytes, std::size_t at, std::size_t size) {
   if (at + 4 > size) return std::nullopt;
   std::size_t length = 0;
   for (std::size_t k = 0; k < 4; ++k) length = length << 8 | bytes[at + k];
   if (length < 1 || length > kLongest || at + 4 + length > size || bytes[at + 3 + length] != 0) return std::nullopt;
+  const unsigned char* begin = bytes + at + 4;
+  const auto readable = [](unsigned char c) { return c >= ' ' && c <= '~'; };
+  if (!std::all_of(begin, begin + length - 1, readable)) return std::nullopt;
   return 4 + length;
 }
 

@@ -9,7 +9,10 @@ namespace ballast::launch {
 void Obey::take(const RunCommand& command, std::uint64_t done, double time) {
   nlohmann::json entry = {{"action", command.action}, {"step", done}, {"time_s", time}};
   if (command.action == "step") entry["steps"] = command.steps;
-  if (const std::string reason = obey(command, done); !reason.empty()) entry["refused"] = reason;
+  if (const std::string reason = obey(command, done); !reason.empty()) {
+    if (!keeps_refused()) return;
+    entry["refused"] = reason;
+  }
   record_.push_back(std::move(entry));
 }
 
@@ -38,6 +41,11 @@ std::string Obey::obey(const RunCommand& command, std::uint64_t done) {
 std::optional<std::uint64_t> Obey::limit() const {
   if (paused_) return stop_after_ ? std::min(paused_at_, *stop_after_) : paused_at_;
   return stop_after_;
+}
+
+void Obey::close() {
+  if (refused_ > kMostRefused)
+    record_.push_back({{"action", "(more commands)"}, {"refused", "too many"}, {"count", refused_ - kMostRefused}});
 }
 
 std::size_t Obey::add(nlohmann::json entry) {

@@ -22,6 +22,8 @@ struct RunCommand {
 
 class Obey {
  public:
+  static constexpr std::uint64_t kMostRefused = 1000;  ///< that are recorded one by one
+
   /// A run that is replayed ends after the step after which the first one was stopped.
   /// One that is resumed begins with the commands up to its checkpoint.
   explicit Obey(std::optional<std::uint64_t> stop_after = {}, nlohmann::json record = nlohmann::json::array())
@@ -38,13 +40,17 @@ class Obey {
   const nlohmann::json& record() const { return record_; }
   /// One that others carry out (act.h): a place in the record, for them to fill.
   std::size_t add(nlohmann::json entry);
+  /// A command was refused. True if it is to be recorded: a flood of them must fill neither record nor memory.
+  bool keeps_refused() { return ++refused_ <= kMostRefused; }
+  /// The run has ended: says how many more were refused.
+  void close();
   nlohmann::json& entry(std::size_t place) { return record_[place]; }
 
  private:
   std::string obey(const RunCommand& command, std::uint64_t done);
   std::optional<std::uint64_t> stop_after_;
   bool paused_ = false, stop_ = false;
-  std::uint64_t paused_at_ = 0;
+  std::uint64_t paused_at_ = 0, refused_ = 0;
   nlohmann::json record_;
 };
 

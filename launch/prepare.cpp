@@ -28,7 +28,9 @@ void find_left_out_of_fluid(const Scene& scene, std::vector<LeftOut>& out) {
                    "none: the explicit solver needs neither"});
 }
 
-std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
+std::vector<LeftOut> find_left_out(const Prepared& prepared) {
+  const Scene& scene = prepared.scene;
+  const bool fluid = prepared.fluid, rigid = prepared.rigid;
   std::vector<LeftOut> out;
   if (!fluid) {
     out.push_back({kFluidProcess, "no fluid in this scene", "one process with all its memory, and every exchange",
@@ -38,9 +40,12 @@ std::vector<LeftOut> find_left_out(const Scene& scene, bool fluid, bool rigid) {
     out.push_back({kRigidProcess, "every model is static", "one process, and every exchange", "none: nothing moves"});
   }
   if (fluid) find_left_out_of_fluid(scene, out);
-  if (fluid && rigid && !scene.coupling.contact_sets) {
-    out.push_back({"contact sets", "coupling.contact_sets is false",
-                   "one pass over the wetted samples and its messages", "none: wrenches are exact without them"});
+  if (fluid && rigid && !prepared.contact_sets) {
+    out.push_back(
+        {kContactSets,
+         scene.coupling.contact_sets ? "nobody reads them: output.lcm is false (--lcm), and engines take wrenches"
+                                     : "coupling.contact_sets is false",
+         "a pass over the wetted samples of every step, and a ring for it", "none: wrenches are exact without them"});
   }
   if (std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.surface_tension > 0; })) {
     out.push_back({"surface tension", "the fluid has no such term yet: fluids.*.surface_tension is not used",
@@ -262,8 +267,14 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.oddities = odd_bodies(out);
-  out.left_out = find_left_out(out.scene, out.fluid, out.rigid);
+  out.contact_sets = out.fluid && out.rigid && out.scene.coupling.contact_sets && out.scene.output.lcm;
+  out.left_out = find_left_out(out);
   return out;
+}
+
+void expect_foreign_engine(Prepared& prepared) {
+  prepared.contact_sets = prepared.fluid && prepared.rigid && prepared.scene.coupling.contact_sets;
+  prepared.left_out = find_left_out(prepared);
 }
 
 }  // namespace ballast::launch

@@ -15,6 +15,7 @@ namespace ballast::launch {
 inline constexpr const char* kFluidProcess = "fluid process";
 inline constexpr const char* kRigidProcess = "rigid process";
 inline constexpr const char* kMessages = "messages over LCM";
+inline constexpr const char* kContactSets = "contact sets";
 inline constexpr const char* kVtk = "ParaView files";
 inline constexpr const char* kViscous = "viscous forces";
 inline constexpr const char* kDensities = "densities of particles";
@@ -34,7 +35,11 @@ struct Prepared {
   Choices choices = {};                    ///< why the scene's `auto` became what it is now
   std::vector<std::string> warnings = {};  ///< what a look at the scene foretells; the processes warn of it themselves
   std::vector<std::string> oddities = {};  ///< the same of what no process warns of
+  bool contact_sets = false;               ///< they are wanted, and somebody reads them
 };
+
+/// A rigid process that somebody starts by hand may be any: it is taken to read contact sets.
+void expect_foreign_engine(Prepared& prepared);
 
 /// Refuses probes of level and pressure at places that the fluid never reaches: there they would report a number that
 /// nobody measured.

@@ -325,6 +325,7 @@ int run(const RunOptions& options) {
   const Checkpoint* from = *resumed ? &**resumed : nullptr;
   auto prepared = prepare_run(options, *resumed);
   if (!prepared) return fail(prepared.error());
+  if (options.by_hand) expect_foreign_engine(*prepared);
   auto lcm = plan_lcm(options, *prepared);
   if (!lcm) return fail(lcm.error());
   const std::string wanted = options.out.empty() && from ? from->out : options.out;
@@ -347,7 +348,11 @@ int run(const RunOptions& options) {
 
   exchange::SegmentPlan plan;
   plan.manifest = make_manifest(prepared->scene, prepared->bodies);
-  plan.scene_text = print_scene(prepared->scene);
+  // What the processes see; checkpoints and record keep the scene as it is, whoever reads along this time.
+  Scene sent = prepared->scene;
+  sent.coupling.contact_sets = prepared->contact_sets;
+  plan.scene_text = print_scene(sent);
+  if (!prepared->contact_sets) plan.contact_bytes = 1;  // the least there is
   plan.out_dir = out_dir;
   plan.threads = static_cast<std::uint32_t>(options.threads);
   plan.fluid = prepared->fluid;

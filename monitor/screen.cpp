@@ -57,7 +57,7 @@ std::optional<Message> View::decoded(const void* data, std::size_t bytes) {
 
 void View::take(const std::string& channel, const void* data, std::size_t bytes) {
   if (channel == msgs::kStatus) {
-    if (auto m = decoded<status_t>(data, bytes)) status_ = std::move(m);
+    if (auto m = decoded<status_t>(data, bytes)) take_status(std::move(*m));
   } else if (channel == msgs::kFluid) {
     if (auto m = decoded<fluid_statistics_t>(data, bytes)) fluid_ = std::move(m);
   } else if (channel == msgs::kBodies) {
@@ -76,6 +76,16 @@ void View::take(const std::string& channel, const void* data, std::size_t bytes)
   } else if (channel == msgs::kWarning) {
     if (auto m = decoded<warning_t>(data, bytes)) warnings_.push_back(std::move(*m));
   }
+}
+
+void View::take_status(status_t&& message) {
+  // Another run, perhaps of another scene: what was heard of the one before says nothing about it.
+  if (status_ && (message.scene != status_->scene || message.step < status_->step)) {
+    const std::size_t undecodable = undecodable_;
+    *this = View();
+    undecodable_ = undecodable;
+  }
+  status_ = std::move(message);
 }
 
 void View::take_bodies(const body_states_t& message) {
@@ -147,9 +157,9 @@ void View::fluid_lines(std::vector<std::string>& out) const {
   }
   std::string error = fmt::format("error      density {:.3g} % in the mean, {:.3g} % at worst",
                                   100 * s.density_error_mean, 100 * s.density_error_max);
-  if (s.pressure_residual > 0) error += fmt::format("; pressure {:.2g}", s.pressure_residual);
+  if (s.pressure_residual > 0) error += fmt::format("; pressure {:.3g} %", 100 * s.pressure_residual);
   // free bodies have a rounding error
-  if (s.interface_residual > 1e-9) error += fmt::format("; interface {:.2g}", s.interface_residual);
+  if (s.interface_residual > 1e-9) error += fmt::format("; interface {:.3g} %", 100 * s.interface_residual);
   out.push_back(error);
   if (fluid_) {
     const fluid_statistics_t& f = *fluid_;

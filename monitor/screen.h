@@ -33,6 +33,7 @@ class View {
   };
   template <class Message>
   std::optional<Message> decoded(const void* data, std::size_t bytes);
+  void take_status(status_t&& message);
   void take_bodies(const body_states_t& message);
   std::string head_line(double silent) const;
   void run_lines(std::vector<std::string>& out) const;

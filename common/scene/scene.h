@@ -163,7 +163,7 @@ struct Coupling {
   int most_iterations = 20;     ///< iterated: exchanges in a step
   int substeps = 1;             ///< engine steps per exchange
   double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
-  bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench
+  bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench, where somebody reads it
 };
 
 enum class Pressure { kAuto, kWcsph, kImplicit };

@@ -1,5 +1,5 @@
 // A peer writes anything anywhere in the segment: whoever reads it gets a value or an error, and stays within its
-// memory. Input: records of target (1 byte: part, or 15 for the header), offset (2), length (1), bytes.
+// memory. Input: records of target (1 byte: part, or kParts for the header), offset (2), length (1), bytes.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -36,6 +36,7 @@ SegmentPlan plan() {
   p.contact_bytes = p.report_bytes = p.final_bytes = 4096;
   p.peer_timeout = 0.05;
   p.named = false;
+  p.commands = true;
   return p;
 }
 
@@ -103,6 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     overlay(s, parts, data + 1, size - 1);
     h.answer.sequence.store(1);
     (void)link.receive(0, 0, states);
+    (void)link.commands(1);
   }
   Control control(*made);
   std::vector<Frame> frames;

@@ -60,6 +60,16 @@ TEST(Obey, RecordsEveryCommandAndWhyItWasRefused) {
   }
 }
 
+TEST(Obey, CountsAFloodOfRefusedCommands) {
+  Obey obey;
+  for (std::uint64_t i = 0; i < Obey::kMostRefused + 7; ++i) obey.take({.action = "resume"}, i, 0.1);
+  obey.take({.action = "pause"}, 5000, 0.1);
+  obey.close();
+  ASSERT_EQ(obey.record().size(), Obey::kMostRefused + 2);
+  EXPECT_EQ(obey.record()[Obey::kMostRefused]["action"], "pause") << "what is obeyed is always recorded";
+  EXPECT_EQ(obey.record().back()["count"], 7);
+}
+
 TEST(Obey, ReplaysAStopAfterTheStepOfTheRecord) {
   Obey obey(42);
   EXPECT_EQ(obey.limit(), 42u);

@@ -51,6 +51,14 @@ TEST(CommandMessage, CutShortOrTooLongIsNone) {
   EXPECT_FALSE(read_command(endless.data(), endless.size()));
 }
 
+/// Anybody may send anything: what is no UTF-8 would make the record impossible to write at the end of the run.
+TEST(CommandMessage, WithATextThatCannotBePrintedIsNone) {
+  for (const char* text : {"pau\xff", "p\x1b[2J", "p\n", "\xc3\xa4"}) {
+    const auto bytes = encoded(text, 1);
+    EXPECT_FALSE(read_command(bytes.data(), bytes.size())) << text;
+  }
+}
+
 TEST(CommandMessage, OfAnotherTypeIsNone) {
   auto bytes = encoded("pause", 1);
   bytes[0] ^= 1;

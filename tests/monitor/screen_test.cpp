@@ -9,6 +9,7 @@ namespace ballast::monitor {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 template <class Message>
 void hear(View& view, const char* channel, const Message& message) {
@@ -31,6 +32,7 @@ status_t a_status() {
   s.real_time_factor_mean = 0.05;
   s.density_error_mean = 0.003;
   s.density_error_max = 0.2;
+  s.interface_residual = 1.4;
   s.fluid_pid = 11;
   s.rigid_pid = 12;
   s.fluid_state = s.rigid_state = "running";
@@ -54,7 +56,7 @@ TEST(Screen, SaysHowTheRunStands) {
   for (const char* part : {"dam: running", "0.5000 of 2 s", "25.0 %", "0.04 x real time (mean 0.05)", "30 s left",
                            "900 of 0.5 ms, limited by sound", "fluid running (pid 11)", "rigid running (pid 12)",
                            "fluid computes 90 %, waits 10 %", "rigid computes 20 %, waits 80 %",
-                           "density 0.3 % in the mean, 20 % at worst", "warnings   none"}) {
+                           "density 0.3 % in the mean, 20 % at worst; interface 140 %", "warnings   none"}) {
     EXPECT_THAT(screen, HasSubstr(part));
   }
 }
@@ -66,6 +68,23 @@ TEST(Screen, SaysThatARunSleeps) {
   status.dt = 0.02;
   hear(view, msgs::kStatus, status);
   EXPECT_THAT(text(view), HasSubstr("900 of 20 ms, asleep: all is at rest"));
+}
+
+TEST(Screen, ForgetsTheRunBefore) {
+  View view;
+  status_t status = a_status();
+  hear(view, msgs::kStatus, status);
+  body_states_t bodies{};
+  bodies.count = 1;
+  bodies.bodies.resize(1);
+  bodies.bodies[0].name = "crate";
+  hear(view, msgs::kBodies, bodies);
+  ++status.step;
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), HasSubstr("crate"));
+  status.step = 0;
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), Not(HasSubstr("crate")));
 }
 
 TEST(Screen, ShowsBodiesWithTheirForces) {
