@@ -2,6 +2,7 @@
 #include "fluid_server/boundary/response.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace ballast::fluid {
 
@@ -24,6 +25,10 @@ Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::uniq
   acceleration_.resize(bodies);
   spin_.resize(bodies);
   patches_.resize(contacts ? samples.patch_body.size() : 0);
+  constexpr std::uint32_t kChunk = 1024;
+  for (std::uint32_t b = 0; b < bodies; ++b)
+    for (std::uint32_t k = samples.first[b]; k < samples.first[b + 1]; k += kChunk)
+      chunks_.push_back({b, k, std::min(k + kChunk, samples.first[b + 1])});
 }
 
 void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
@@ -168,10 +173,11 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
 
 void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> states) {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (std::size_t b = 0; b < states.size(); ++b) {
+  for (Chunk& chunk : chunks_) {
+    const std::uint32_t b = chunk.body;
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
-    Vec3 force = buoyancy_[b] + film(b).head<3>(), torque = film(b).tail<3>();
-    for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
+    chunk.force.setZero(), chunk.torque.setZero();
+    for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
       const std::uint32_t sample = samples_.order[k];
       if (wet_stamp_[sample] != stamp_) continue;
       const Wet& wet = wet_[sample];
@@ -181,11 +187,17 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
       items.record[wet.item].p = p;
       final_force_[sample] = wet.force + p * wet.area;
       const Vec3 f = final_force_[sample].cast<double>();
-      force += f;
-      torque += arm.cross(f) + wet.couple.cast<double>();
+      chunk.force += f;
+      chunk.torque += arm.cross(f) + wet.couple.cast<double>();
     }
-    Vec3::Map(wrenches_[b].force) = force;
-    Vec3::Map(wrenches_[b].torque) = torque;
+  }
+  for (std::size_t b = 0; b < states.size(); ++b) {
+    Vec3::Map(wrenches_[b].force) = buoyancy_[b] + film(b).head<3>();
+    Vec3::Map(wrenches_[b].torque) = film(b).tail<3>();
+  }
+  for (const Chunk& chunk : chunks_) {
+    Vec3::Map(wrenches_[chunk.body].force) += chunk.force;
+    Vec3::Map(wrenches_[chunk.body].torque) += chunk.torque;
   }
 }
 

@@ -94,7 +94,14 @@ class Response {
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
+  /// Samples of one body in a row, few enough that a tank's are shared among the threads.
+  struct Chunk {
+    std::uint32_t body, begin, end;  // into samples_.order
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  };
+
   const Samples& samples_;
+  std::vector<Chunk> chunks_;
   int threads_;
   bool want_contacts_;
   double spacing_;
