@@ -43,8 +43,9 @@ std::vector<LeftOut> find_left_out(const Prepared& prepared) {
   if (fluid && rigid && !prepared.contact_sets) {
     out.push_back(
         {kContactSets,
-         scene.coupling.contact_sets ? "nobody reads them: output.lcm is false (--lcm), and engines take wrenches"
-                                     : "coupling.contact_sets is false",
+         scene.coupling.contact_sets == ContactSets::kNever ? "coupling.contact_sets is never"
+                                                            : "nobody reads them: output.lcm is false (--lcm), and "
+                                                              "engines take wrenches (coupling.contact_sets: always)",
          "a pass over the wetted samples of every step, and a ring for it", "none: wrenches are exact without them"});
   }
   if (std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.surface_tension > 0; })) {
@@ -267,13 +268,16 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.oddities = odd_bodies(out);
-  out.contact_sets = out.fluid && out.rigid && out.scene.coupling.contact_sets && out.scene.output.lcm;
+  const ContactSets wanted = out.scene.coupling.contact_sets;
+  out.contact_sets = out.fluid && out.rigid &&
+                     (wanted == ContactSets::kAlways || (wanted == ContactSets::kAuto && out.scene.output.lcm));
   out.left_out = find_left_out(out);
   return out;
 }
 
 void expect_foreign_engine(Prepared& prepared) {
-  prepared.contact_sets = prepared.fluid && prepared.rigid && prepared.scene.coupling.contact_sets;
+  prepared.contact_sets =
+      prepared.fluid && prepared.rigid && prepared.scene.coupling.contact_sets != ContactSets::kNever;
   prepared.left_out = find_left_out(prepared);
 }
 

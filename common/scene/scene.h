@@ -156,6 +156,8 @@ struct Joint {
   Place place;
 };
 
+enum class ContactSets { kAuto, kAlways, kNever };
+
 struct Coupling {
   std::string engine = "ode";   ///< ode, free_body
   std::string scheme = "auto";  ///< auto, interlinked, iterated, staggered
@@ -163,7 +165,7 @@ struct Coupling {
   int most_iterations = 20;     ///< iterated: exchanges in a step
   int substeps = 1;             ///< engine steps per exchange
   double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
-  bool contact_sets = true;     ///< send where each body touches the fluid beside its wrench, where somebody reads it
+  ContactSets contact_sets = ContactSets::kAuto;  ///< send where each body touches the fluid beside its wrench
 };
 
 enum class Pressure { kAuto, kWcsph, kImplicit };

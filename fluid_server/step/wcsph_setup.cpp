@@ -151,8 +151,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density,
                                       threads);
-  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
-                                              scene.coupling.contact_sets, self.spacing_, threads);
+  self.response_ =
+      std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
+                                 scene.coupling.contact_sets == ContactSets::kAlways, self.spacing_, threads);
   self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);

@@ -113,16 +113,14 @@ TEST(Publisher, NamesTheUrlThatCannotBeOpened) {
 
 TEST(Publisher, WantsFramesOnlyOfWhatThereIsAndIsAskedFor) {
   launch::Prepared run = prepared_scene();
+  run.contact_sets = true;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b1110000u);  // fluid, contacts, particles: kinds 4, 5, 6
-  run.scene.coupling.contact_sets = false;
+  run.contact_sets = false;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b1010000u);
   run.scene.output.lcm_particles = 0;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b0010000u);
   run.fluid = false;
   EXPECT_EQ(Publisher::frames_wanted(run), 0u);
-  run = prepared_scene();
-  run.rigid = false;  // nothing moves: no contact sets
-  EXPECT_EQ(Publisher::frames_wanted(run), 0b1010000u);
 }
 
 /// A tcpq server that greets its client, as LCM's does, and then never reads a byte.

@@ -48,10 +48,9 @@ std::vector<Part> parts() {
   std::vector<Part> all = {{"ParaView files", "output.vtk=true", "output.vtk=false", "vtk"},
                            {"checkpoints", "output.checkpoint.every=0.05", "output.checkpoint.every=0", "checkpoints"},
                            {"probes.csv", "probes=[{name: level, level_at: [0.1, 0.3]}]", "probes=[]", "probes.csv"}};
-  // Contact sets are for monitors; in a build without LCM there are none.
-  if (fs::exists(BALLAST_BIN_DIR "/ballast_monitor"))
-    for (const char* what : {"contact sets", "messages over LCM"})
-      all.push_back({what, "output.lcm=true", "output.lcm=false", ""});
+  all.push_back({"contact sets", "coupling.contact_sets=always", "coupling.contact_sets=never", ""});
+  if (fs::exists(BALLAST_BIN_DIR "/ballast_monitor"))  // a build with LCM
+    all.push_back({"messages over LCM", "output.lcm=true", "output.lcm=false", ""});
   return all;
 }
 

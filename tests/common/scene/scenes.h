@@ -34,7 +34,7 @@ joints:
       damper: 0.1 N m s/rad, rest: 5 deg }
   - { name: cross, type: universal, parent: ball, child: crate_0_0_0, axis: [0, 0, 1], axis2: [1, 0, 0] }
   - { name: slider, type: prismatic, parent: world, child: crate_1_0_2, limits: { upper: 2 }, spring: 3 N/m }
-coupling: { engine: free_body, scheme: interlinked, substeps: 2, rigid_step: 2 ms, contact_sets: false }
+coupling: { engine: free_body, scheme: interlinked, substeps: 2, rigid_step: 2 ms, contact_sets: never }
 numerics: { pressure: wcsph, kernel: wendland, sound_speed: 30 m/s, courant: 0.2, diffusion: 0.05, relax: false }
 probes:
   - { name: front, level_at: [1.5, 0.3] }
