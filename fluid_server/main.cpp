@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/exchange/process.h"
 #include "fluid_server/passes/passes.h"
 #include "fluid_server/server.h"
 
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     setenv("GOMP_SPINCOUNT", "1000", 1);
     execv("/proc/self/exe", argv);
   }
+  ballast::exchange::end_with_coordinator("fluid_server");
   auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kFluid);
   if (!segment) {
     std::fprintf(stderr, "fluid_server: %s\n", segment.error().text().c_str());

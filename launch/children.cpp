@@ -26,7 +26,7 @@ std::size_t index(Role role) { return static_cast<std::size_t>(role); }
 /// In the child, between fork and exec: only async-signal-safe calls.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, pid_t parent,
                          const char* log, int report) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_PDEATHSIG, SIGCONT);  // our programs end then (exchange/process.h), and a stopped one wakes up to do so
   if (getppid() != parent) _exit(127);  // the parent died before the line above
   // Ctrl-C, a closed terminal and what a service manager sends reach the whole group: the coordinator alone decides
   // what they mean. A signal to this process itself ends it, as its sender expects.

@@ -25,7 +25,7 @@ struct Command {
 /// Folder of the running executable, where the other programs lie too.
 std::string program_folder();
 
-/// Child processes that cannot outlive this object, nor this process (they get SIGKILL when it dies).
+/// Child processes that cannot outlive this object, nor this process (exchange/process.h: end_with_coordinator).
 class Children {
  public:
   Children() = default;

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "common/exchange/process.h"
 #include "rigid_client/client.h"
 #include "rigid_client/engine.h"
 
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
     }
     return ballast::kFine;
   }
+  ballast::exchange::end_with_coordinator("rigid_client");
   auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kRigid);
   if (!segment) {
     std::fprintf(stderr, "rigid_client: %s\n", segment.error().text().c_str());

@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <signal.h>
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -12,6 +14,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+
+#include "common/result.h"
 
 namespace ballast::exchange {
 
@@ -40,6 +44,35 @@ std::uint64_t start_time(std::uint32_t pid) {
 bool alive(std::uint32_t pid, std::uint64_t start) {
   const std::uint64_t now = start_time(pid);
   return now != 0 && (start == 0 || now == start);
+}
+
+namespace {
+
+pid_t parent;
+char last_words[160];
+
+/// Only async-signal-safe calls. Any other SIGCONT finds the parent alive.
+void on_continue(int) {
+  if (::getppid() == parent) return;
+  ::signal(SIGPIPE, SIG_IGN);  // who read our words may be gone, too
+  [[maybe_unused]] const ssize_t written = ::write(2, last_words, std::strlen(last_words));
+  ::_exit(kProcessFailed);
+}
+
+}  // namespace
+
+void end_with_coordinator(const char* program) {
+  int signal = 0;
+  if (::prctl(PR_GET_PDEATHSIG, &signal) != 0 || signal != SIGCONT) return;
+  parent = ::getppid();
+  std::snprintf(last_words, sizeof last_words,
+                "%s: the coordinator (pid %d) died without a word: the run ends here, its outputs are incomplete\n",
+                program, static_cast<int>(parent));
+  struct sigaction action {};
+  action.sa_handler = on_continue;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGCONT, &action, nullptr);
+  on_continue(0);
 }
 
 Woken futex_wait(const Word& word, std::uint32_t seen, std::chrono::nanoseconds at_most) {

@@ -13,6 +13,11 @@ std::uint64_t start_time(std::uint32_t pid);
 /// The process with this pid and start time still runs. start = 0: any start time (the process is just registering).
 bool alive(std::uint32_t pid, std::uint64_t start);
 
+/// For a process that asked the kernel for SIGCONT when its parent dies (prctl PR_SET_PDEATHSIG), as the coordinator's
+/// children do: from now on it says so then, as `program`, and ends with code 5, also out of a stop. Does nothing in a
+/// process that was started otherwise. Once in a process.
+void end_with_coordinator(const char* program);
+
 enum class Woken { kWake, kTimeout };
 /// Sleeps while word == seen, until woken, interrupted or for at_most. Works between processes (no FUTEX_PRIVATE).
 Woken futex_wait(const Word& word, std::uint32_t seen, std::chrono::nanoseconds at_most);

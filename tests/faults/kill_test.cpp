@@ -1,6 +1,10 @@
 // A process of a run is killed at any moment: the others end soon, say who it was, and nothing stays behind.
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "tests/validation/run_command.h"
 
@@ -30,12 +34,14 @@ struct Killed : ::testing::TestWithParam<Times> {
   /// s from the kill to the end of all others.
   double once(int i);
   void check(const Command& run, int code, const std::string& victim);
+  void check_orphans(std::size_t there);
 };
 
 double Killed::once(int i) {
   const std::string victim = GetParam().victim;
-  Command run(scratch.path, kLong);
   const bool whole = victim == "coordinator";
+  if (whole) prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans become ours: what they end with can be read
+  Command run(scratch.path, kLong);
   EXPECT_TRUE(whole || run.has_children(2)) << run.text();
   std::this_thread::sleep_for(milliseconds(static_cast<int>(1000 * moment(i))));
   const auto children = run.children();
@@ -45,12 +51,31 @@ double Killed::once(int i) {
   }
   kill(whole ? run.pid() : children.at(victim), SIGKILL);
   const auto start = Clock::now();
+
   const int code = run.wait();
   while (!run.attached().empty() && seconds_since(start) < 10) std::this_thread::sleep_for(milliseconds(2));
   const double took = seconds_since(start);
   EXPECT_LT(took, 10) << "somebody still runs";
   check(run, code, victim);
+  if (whole) check_orphans(children.size());
   return took;
+}
+
+/// The children of a killed coordinator say who died and end with code 5; those that had not begun yet, with 127.
+void Killed::check_orphans(std::size_t there) {
+  std::size_t told = 0;
+  for (int status; waitpid(-1, &status, 0) > 0;) {
+    EXPECT_TRUE(WIFEXITED(status) && (WEXITSTATUS(status) == 5 || WEXITSTATUS(status) == 127)) << status;
+    told += WIFEXITED(status) && WEXITSTATUS(status) == 5;
+  }
+  EXPECT_GE(told, there);
+  std::size_t said = 0;
+  for (const char* log : {"out/fluid_server.log", "out/rigid_client.log"}) {
+    std::ifstream file(scratch.path / log);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    said += text.find("coordinator") != std::string::npos;
+  }
+  EXPECT_EQ(said, told) << "told of the coordinator's end, in their logs";
 }
 
 void Killed::check(const Command& run, int code, const std::string& victim) {
