@@ -123,18 +123,22 @@ bool in_domain(const World& world, const Vec3& x) {
   return true;
 }
 
+Result<Solid> mesh_of(const Fluid& fluid, const World& world) {
+  Shape shape;
+  shape.kind = ShapeKind::kMesh;
+  shape.mesh = fluid.fill.mesh;
+  shape.scale = fluid.fill.scale;
+  return Solid::make(shape, world.dimension, world.spacing, false);
+}
+
 Sampled sample_fill(const Fluid& fluid, const Prepared& p) {
   const bool flat = p.scene.world.dimension == 2;
   std::size_t container = 0;
   Box3 box = fluid.fill.box;
   std::optional<Solid> mesh;
   if (fluid.fill.kind == FillKind::kMesh) {
-    Shape shape;
-    shape.kind = ShapeKind::kMesh;
-    shape.mesh = fluid.fill.mesh;
-    shape.scale = fluid.fill.scale;
-    auto made = Solid::make(shape, p.scene.world.dimension, p.scene.world.spacing, false);
-    if (!made) return {};
+    auto made = mesh_of(fluid, p.scene.world);
+    if (!made) return {};  // check_shape has refused it
     mesh.emplace(std::move(*made));
     box = posed(mesh->bounds(), fluid.fill.pose);
   } else if (fluid.fill.kind == FillKind::kLevel) {
@@ -176,6 +180,22 @@ namespace {
 
 std::string where(const Place& place) { return fmt::format("{}:{}:{}", place.file, place.line, place.column); }
 
+/// Refuses a mesh that encloses no room, and a level above the rim of its container.
+Status check_shape(const Fluid& fluid, const Prepared& p) {
+  if (fluid.fill.kind == FillKind::kMesh) {
+    auto mesh = mesh_of(fluid, p.scene.world);
+    if (!mesh) return Error{mesh.error().what, mesh.error().cure, where(fluid.place)};
+  }
+  if (fluid.fill.kind != FillKind::kLevel) return ok();
+  const auto model = std::ranges::find(p.scene.models, fluid.fill.container, &Model::name);
+  if (model == p.scene.models.end() || model->shape.kind != ShapeKind::kOpenBox || model->shape.lid) return ok();
+  const double rim = posed(Box3{Vec3::Zero(), model->shape.size}, model->pose).max.z();
+  if (fluid.fill.level <= rim + 1e-9 * std::abs(rim)) return ok();
+  return Error{fmt::format("the level z = {:.3g} m of fluid '{}' lies above the rim of '{}' at z = {:.3g} m",
+                           fluid.fill.level, fluid.name, model->name, rim),
+               "lower the level, or make the container higher", where(fluid.place)};
+}
+
 /// Refuses a fluid without volume, of a handful of particles, or outside world.domain.
 Status check_fill(const Fluid& fluid, const Sampled& fill, const World& world) {
   const double cell = std::pow(world.spacing, world.dimension), least = std::pow(3, world.dimension);
@@ -211,6 +231,7 @@ Status check_fluids(Prepared& prepared, const std::string& scene_file) {
   const World& world = prepared.scene.world;
   double particles = 0;
   for (const Fluid& fluid : prepared.scene.fluids) {
+    if (Status s = check_shape(fluid, prepared); !s) return s;
     const Sampled fill = sample_fill(fluid, prepared);
     if (Status s = check_fill(fluid, fill, world); !s) return s;
     for (const Fluid* other = prepared.scene.fluids.data(); other != &fluid; ++other)
@@ -225,10 +246,10 @@ Status check_fluids(Prepared& prepared, const std::string& scene_file) {
           where(fluid.place), 100 * fill.spilled, fluid.name));
     particles += fill.volume / std::pow(world.spacing, world.dimension);
   }
+  const std::string place = prepared.scene.fluids.empty() ? scene_file : where(prepared.scene.fluids[0].place);
   const std::string cure = fmt::format("make world.spacing ({:.3g} m) larger or the fills smaller", world.spacing);
   if (particles > 2e9)
-    return Error{fmt::format("the fluid would have about {:.2g} particles; 2e9 is the most", particles), cure,
-                 scene_file};
+    return Error{fmt::format("the fluid would have about {:.2g} particles; 2e9 is the most", particles), cure, place};
   // Measured: ballast bench, and its solver's share in 3-D.
   const double each = prepared.scene.numerics.pressure == Pressure::kImplicit ? 2000 : 600;
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
@@ -236,7 +257,35 @@ Status check_fluids(Prepared& prepared, const std::string& scene_file) {
     return Error{fmt::format("the fluid would have about {:.2g} particles and need about {:.3g} GB; this machine has "
                              "{:.3g} GB of memory",
                              particles, particles * each * 1e-9, memory * 1e-9),
-                 cure, scene_file};
+                 cure, place};
+  return ok();
+}
+
+/// Refuses bodies that start across a periodic border: they would be carved and sampled on one side of it only. Warns
+/// that bodies do not meet each other across it.
+Status check_borders(Prepared& prepared) {
+  const World& world = prepared.scene.world;
+  if (!world.domain) return ok();
+  for (int k = 0; k < 3; ++k) {
+    if (!world.periodic[static_cast<std::size_t>(k)] || (world.dimension == 2 && k == 1)) continue;
+    std::size_t movable = 0;
+    for (std::size_t b = 0; b < prepared.bodies.size(); ++b) {
+      const Model& model = prepared.scene.models[b];
+      if (model.motion == Motion::kStatic) continue;
+      ++movable;
+      const Box3 box = posed(prepared.bodies[b].solid.bounds(), prepared.bodies[b].pose);
+      const double low = world.domain->min[k], high = world.domain->max[k], tiny = 1e-9 * (high - low);
+      if (box.min[k] < low - tiny || box.max[k] > high + tiny)
+        return Error{
+            fmt::format("the body '{}' reaches from {} = {:.3g} to {:.3g} m, across the periodic border at {:.3g} m",
+                        model.name, "xyz"[k], box.min[k], box.max[k], box.min[k] < low ? low : high),
+            "move it, or world.domain, so that it starts inside: later it may cross the border", where(model.place)};
+    }
+    if (movable > 1)
+      prepared.warnings.push_back(fmt::format(
+          "bodies do not meet each other across the periodic border of {}: there they pass through each other",
+          "xyz"[k]));
+  }
   return ok();
 }
 
@@ -265,6 +314,7 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
     return Error{"there is nothing to simulate: no fluid and no model that moves",
                  "add a fluid or a model that is not static", scene_file};
   }
+  if (auto checked = check_borders(out); !checked) return checked.error();
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.oddities = odd_bodies(out);

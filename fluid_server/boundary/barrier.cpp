@@ -1,6 +1,7 @@
 // Inelastic contact between particles and solids.
 #include "fluid_server/boundary/barrier.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <tuple>
 
@@ -11,29 +12,62 @@ namespace ballast::fluid {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // Of a spacing: particles farther than this from every sample are at least 0.1 spacings above every surface.
 constexpr double kNear = 0.95;
+// In short steps a particle is not stopped in one but over this way, in spacings, or as many steps: a blow of one step
+// would be many g for a light body.
+constexpr double kBrake = 0.25, kMostSteps = 20;
 constexpr double kComeOut = 0.2;    // of its depth that a particle rises in a step
 constexpr int kContactSweeps = 30;  // over contacts, at most
+constexpr int kPasses = 3;          // with the pressure that bodies in contact put on the water
 
 }  // namespace
 
-Barrier::Barrier(const Samples& samples, std::span<const Body> bodies, double spacing)
-    : samples_(samples), bodies_(bodies), spacing_(spacing) {}
+Barrier::Barrier(const Samples& samples, std::span<const Body> bodies, double spacing, bool brakes)
+    : samples_(samples), bodies_(bodies), spacing_(spacing), brakes_(brakes) {}
 
-void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const std::vector<SampleSums>& sums,
+void Barrier::solve(Neighbourhood& items, const ItemExtras& extras, const std::vector<SampleSums>& sums,
                     const PassConstants& constants, std::span<const exchange::BodyState> states, Response& response) {
   pushes_.clear();
   find_near(items, constants, sums);
   if (contacts_.empty()) return;
-  find_touching(items, extras, constants, states);
+  find_touching(items, extras, constants, states, response);
   const double dt = constants.dt;
   motion_.assign(states.size(), Vector6::Zero());
-  const auto mobility = [&](std::uint32_t b) { return mobility_of(states[b]); };
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<Vector6> before = motion_;
+    share_out(false);
+    bool moved = false;
+    for (std::uint32_t b = 0; b < states.size(); ++b) {
+      if (motion_[b] == before[b]) continue;
+      response.accelerate_body(items, b, (motion_[b] - before[b]) / dt);
+      moved = true;
+    }
+    if (!moved) break;
+    // The pressure that a body's change puts on the water drives the particles, too.
+    const std::vector<float> old = acceleration_;
+    accelerate_some(items, extras, constants, particles_, acceleration_);
+    for (Contact& c : contacts_)
+      for (int k = 0; k < 3; ++k) c.least += dt * c.normal[k] * (old[3 * c.slot + k] - acceleration_[3 * c.slot + k]);
+    if (pass + 1 == kPasses) share_out(true);
+  }
+  for (const Contact& c : contacts_) {
+    if (!(c.impulse > 0)) continue;
+    response.push(c.sample, c.arm, -c.impulse / dt * c.normal);
+    report_.impulse += c.impulse;
+    ++report_.pushes;
+  }
+}
+
+/// Impulses that leave no contact slower than its least separation, none of them a pull. `still`: only at what does not
+/// move.
+void Barrier::share_out(bool still) {
   for (int sweep = 0; sweep < kContactSweeps; ++sweep) {
     bool changed = false;
     for (Contact& c : contacts_) {
+      if (still && !mobility_[c.body].isZero(0)) continue;
       const Vec3 body = motion_[c.body].head<3>() + motion_[c.body].tail<3>().cross(c.arm);
       const double separation = c.normal.dot(pushes_[c.slot].gain.cast<double>() - body);
       const double impulse = std::max(0.0, c.impulse + (c.least - separation) / c.inverse_mass);
@@ -44,15 +78,9 @@ void Barrier::solve(const Neighbourhood& items, const ItemExtras& extras, const 
       pushes_[c.slot].gain += (change / c.mass * c.normal).cast<float>();
       Vector6 reaction;
       reaction << -change * c.normal, c.arm.cross(-change * c.normal);
-      motion_[c.body] += mobility(c.body) * reaction;
+      motion_[c.body] += mobility_[c.body] * reaction;
     }
     if (!changed) break;
-  }
-  for (const Contact& c : contacts_) {
-    if (!(c.impulse > 0)) continue;
-    response.push(c.sample, c.arm, -c.impulse / dt * c.normal);
-    report_.impulse += c.impulse;
-    ++report_.pushes;
   }
 }
 
@@ -92,7 +120,7 @@ void Barrier::find_near(const Neighbourhood& items, const PassConstants& constan
 
 /// Of those, the ones that meet in this step; what their velocities would be without the barrier goes into `least`.
 void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                            std::span<const exchange::BodyState> states) {
+                            std::span<const exchange::BodyState> states, const Response& response) {
   const Coordinates& coordinates = items.coordinates();
   const double dt = constants.dt;
   particles_.clear();
@@ -114,20 +142,25 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
     const Vec3 velocity =
         Vec3(own.vx, own.vy, own.vz) + dt * Eigen::Vector3f::Map(&acceleration_[3 * c.slot]).cast<double>();
     const Vec3 relative = velocity - body;
-    c.meets = c.height <= dt * relative.norm();  // no direction brings it nearer than its speed
+    const double speed = relative.norm();
+    const double brake = brakes_ && speed > 0 ? std::clamp(kBrake * spacing_ / speed, dt, kMostSteps * dt) : dt;
+    c.meets = c.height <= brake * speed;  // no direction brings it nearer than its speed
     if (!c.meets) return;
     c.normal = q * bodies_[c.body].solid.normal(local);
-    c.least = (c.height >= 0 ? -c.height : -kComeOut * c.height) / dt - c.normal.dot(relative);
-    const auto mobility = mobility_of(state);
-    Vector6 line;
-    line << c.normal, c.arm.cross(c.normal);
+    c.least = (c.height >= 0 ? -c.height / brake : -kComeOut * c.height / dt) - c.normal.dot(relative);
     c.mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
-    c.inverse_mass = 1 / c.mass + line.dot(mobility * line);
   };
 #pragma omp parallel for num_threads(constants.threads) schedule(static) if (contacts_.size() > kSerial / 8)
   for (std::size_t k = 0; k < contacts_.size(); ++k) meet(contacts_[k]);
   std::erase_if(contacts_, [](const Contact& c) { return !c.meets; });
-  for (const Contact& c : contacts_) report_.deepest = std::max(report_.deepest, -c.height);
+  mobility_.assign(states.size(), Matrix6::Zero());
+  for (Contact& c : contacts_) {
+    report_.deepest = std::max(report_.deepest, -c.height);
+    if (mobility_[c.body].isZero(0)) mobility_[c.body] = response.mobility_in_water(states[c.body], c.body);
+    Vector6 line;
+    line << c.normal, c.arm.cross(c.normal);
+    c.inverse_mass = 1 / c.mass + line.dot(mobility_[c.body] * line);
+  }
   pushes_.resize(particles_.size());
   for (std::size_t k = 0; k < particles_.size(); ++k) pushes_[k] = {particles_[k], Eigen::Vector3f::Zero()};
 }

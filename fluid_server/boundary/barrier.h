@@ -20,8 +20,8 @@ struct BarrierReport {
 
 class Barrier {
  public:
-  /// `bodies` must outlive this.
-  Barrier(const Samples& samples, std::span<const Body> bodies, double spacing);
+  /// `bodies` must outlive this. `brakes`: particles are stopped over many steps, not in one (short ones).
+  Barrier(const Samples& samples, std::span<const Body> bodies, double spacing, bool brakes);
 
   /// Velocity that a particle gains at the end of the step, m/s.
   struct Push {
@@ -32,8 +32,8 @@ class Barrier {
   /// With the pressures of the step in items.record: finds particles whose velocity after the step would bring them
   /// below a surface and holds them there; those that are below come out by a fifth of their depth. Adds the reaction
   /// to the wrenches of `response`. Projected Gauss-Seidel over all contacts in a fixed order, with the bodies'
-  /// mobility: a particle between two solids stops both.
-  void solve(const Neighbourhood& items, const ItemExtras& extras, const std::vector<SampleSums>& sums,
+  /// mobility in the water around them: a particle between two solids stops both.
+  void solve(Neighbourhood& items, const ItemExtras& extras, const std::vector<SampleSums>& sums,
              const PassConstants& constants, std::span<const exchange::BodyState> states, Response& response);
 
   std::span<const Push> pushes() const { return pushes_; }
@@ -59,17 +59,20 @@ class Barrier {
   };
   void find_near(const Neighbourhood& items, const PassConstants& constants, const std::vector<SampleSums>& sums);
   void find_touching(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                     std::span<const exchange::BodyState> states);
+                     std::span<const exchange::BodyState> states, const Response& response);
+  void share_out(bool still);
 
   const Samples& samples_;
   std::span<const Body> bodies_;
   double spacing_;
+  bool brakes_;
   std::vector<std::vector<Contact>> near_;  // by block of samples
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;
-  std::vector<std::uint32_t> particles_;             // of pushes_
-  std::vector<float> acceleration_;                  // of them
-  std::vector<Eigen::Matrix<double, 6, 1>> motion_;  // gained by bodies
+  std::vector<std::uint32_t> particles_;               // of pushes_
+  std::vector<float> acceleration_;                    // of them
+  std::vector<Eigen::Matrix<double, 6, 1>> motion_;    // gained by bodies
+  std::vector<Eigen::Matrix<double, 6, 6>> mobility_;  // of those in contact
   BarrierReport report_;
 };
 

@@ -35,6 +35,7 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
                      const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme,
                      Films films) {
   ++stamp_;
+  scheme_ = scheme;
   collect(items, extras, sums, constants, states);
   if (films_ && films == Films::kFollow) {
     films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
@@ -199,6 +200,35 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
     Vec3::Map(wrenches_[chunk.body].force) += chunk.force;
     Vec3::Map(wrenches_[chunk.body].torque) += chunk.torque;
   }
+}
+
+Matrix6 Response::mobility_in_water(const exchange::BodyState& state, std::uint32_t body) const {
+  const Matrix6 mobility = mobility_of(state);
+  if (scheme_ == Scheme::kStaggered || mobility.isZero(0)) return mobility;
+  Matrix6 added = Matrix6::Zero();
+  for_each_wet(body, [&](std::uint32_t, const Wet& wet) {
+    const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
+    Vector6 per_pressure, per_acceleration;
+    per_pressure << area, arm.cross(area);
+    per_acceleration << reach, arm.cross(reach);
+    added.noalias() += per_pressure * per_acceleration.transpose();
+  });
+  return (Matrix6::Identity() + mobility * added).partialPivLu().solve(mobility);
+}
+
+void Response::accelerate_body(Neighbourhood& items, std::uint32_t body, const Vector6& change) {
+  if (scheme_ == Scheme::kStaggered) return;
+  acceleration_[body] += change;
+  exchange::Wrench& wrench = wrenches_[body];
+  for_each_wet(body, [&](std::uint32_t sample, const Wet& wet) {
+    const Vec3 arm = wet.arm.cast<double>(), own = change.head<3>() + change.tail<3>().cross(arm);
+    const float p = -own.cast<float>().dot(wet.reach);
+    items.record[wet.item].p += p;
+    const Eigen::Vector3f force = p * wet.area;
+    final_force_[sample] += force;
+    Vec3::Map(wrench.force) += force.cast<double>();
+    Vec3::Map(wrench.torque) += arm.cross(force.cast<double>());
+  });
 }
 
 Vec3 Response::acceleration_of(std::uint32_t sample) const {

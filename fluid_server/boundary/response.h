@@ -53,6 +53,11 @@ class Response {
   double drag_rate(const Neighbourhood& items, const std::vector<SampleSums>& sums,
                    std::span<const exchange::BodyState> states) const;
 
+  /// Change of a body's acceleration by a wrench beside those that solve() knew. It has to move the water around it,
+  /// too, whose pressure follows as in solve(): a light body takes a blow with the mass that it carries along.
+  Eigen::Matrix<double, 6, 6> mobility_in_water(const exchange::BodyState& state, std::uint32_t body) const;
+  /// The pressure that follows from such a change, into items.record and the body's wrench.
+  void accelerate_body(Neighbourhood& items, std::uint32_t body, const Eigen::Matrix<double, 6, 1>& change);
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
   /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
@@ -91,6 +96,12 @@ class Response {
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);
   Eigen::Matrix<double, 6, 1> film(std::size_t body) const;  ///< wrench of the films on it
+  /// Calls what(sample, wet) for the wet samples of a body, in their order.
+  template <class What>
+  void for_each_wet(std::uint32_t body, What&& what) const {
+    for (std::uint32_t k = samples_.first[body]; k < samples_.first[body + 1]; ++k)
+      if (const std::uint32_t sample = samples_.order[k]; wet_stamp_[sample] == stamp_) what(sample, wet_[sample]);
+  }
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
@@ -110,6 +121,7 @@ class Response {
   std::vector<Wet> wet_;                  // by sample
   std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
   std::uint32_t stamp_ = 0;
+  Scheme scheme_ = Scheme::kInterlinked;      // of the last solve
   std::vector<Eigen::Vector3f> final_force_;  // by sample
   std::vector<std::uint32_t> wet_sample_;     // samples wet now, in item order
   std::vector<exchange::Wrench> wrenches_;

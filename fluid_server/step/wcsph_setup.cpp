@@ -154,7 +154,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.response_ =
       std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
                                  scene.coupling.contact_sets == ContactSets::kAlways, self.spacing_, threads);
-  self.barrier_ = std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_);
+  self.barrier_ =
+      std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_, scene.numerics.pressure != Pressure::kImplicit);
   if (scene.numerics.pressure == Pressure::kImplicit) {
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;

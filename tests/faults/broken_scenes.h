@@ -117,6 +117,8 @@ constexpr Break kBreaks[] = {
     {"FillUpsideDown", "min: [0, 0, 0], max: [1, 1, 0.5]", "min: [0, 0, 0.6], max: [1, 1, 0.5]", "empty along z"},
     {"FillInsideTheWall", "min: [0, 0, 0], max: [1, 1, 0.5]", "min: [-0.15, 0, 0], max: [-0.05, 1, 0.5]", "less than a particle"},
     {"FillInAnUnknownContainer", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { level: { container: ^tonk, z: 0.5 } }", "Did you mean 'tank'"},
+    {"LevelAboveTheRim", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { level: { container: tank, z: 1.5 } }", "above the rim of 'tank' at z = 1 m"},
+    {"AcrossAPeriodicBorder", "seed: 3", "seed: 3, periodic: [x], domain: { min: [0.25, 0, 0], max: [1.25, 1, 1] }", "across the periodic border at 0.25 m"},
     {"FillInABox", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { level: { container: ^box, z: 0.5 } }", "open_box"},
     {"FillBelowTheContainer", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { level: { container: tank, z: -3 } }", "less than a particle"},
     {"FillMeshMissing", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { mesh: { file: ^none.obj } }", "none.obj"},
