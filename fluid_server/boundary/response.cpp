@@ -149,22 +149,17 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     }
     Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
     force.head<3>() += buoyancy_[b];
-    Matrix6 added = Matrix6::Zero();
-    for (std::uint32_t k = samples_.first[b]; k < samples_.first[b + 1]; ++k) {
-      const std::uint32_t sample = samples_.order[k];
-      if (wet_stamp_[sample] != stamp_) continue;
-      const Wet& wet = wet_[sample];
+    const Matrix6 added = added_mass(static_cast<std::uint32_t>(b));
+    for_each_wet(static_cast<std::uint32_t>(b), [&](std::uint32_t, const Wet& wet) {
       const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
-      Vector6 per_pressure, per_acceleration;
+      Vector6 per_pressure;
       per_pressure << area, arm.cross(area);
-      per_acceleration << reach, arm.cross(reach);  // a_b . reach with a_b = a + alpha x arm + centripetal
       const Vec3 centripetal = spin_[b].cross(spin_[b].cross(arm));
       const Vec3 known = wet.force.cast<double>();
       force.head<3>() += known;
       force.tail<3>() += arm.cross(known) + wet.couple.cast<double>();
       force += per_pressure * (wet.p0 - centripetal.dot(reach));
-      added.noalias() += per_pressure * per_acceleration.transpose();
-    }
+    });
     if (scheme == Scheme::kInterlinked)
       acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
     else
@@ -202,18 +197,22 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
   }
 }
 
-Matrix6 Response::mobility_in_water(const exchange::BodyState& state, std::uint32_t body) const {
-  const Matrix6 mobility = mobility_of(state);
-  if (scheme_ == Scheme::kStaggered || mobility.isZero(0)) return mobility;
+Matrix6 Response::added_mass(std::uint32_t body) const {
   Matrix6 added = Matrix6::Zero();
   for_each_wet(body, [&](std::uint32_t, const Wet& wet) {
     const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
     Vector6 per_pressure, per_acceleration;
     per_pressure << area, arm.cross(area);
-    per_acceleration << reach, arm.cross(reach);
+    per_acceleration << reach, arm.cross(reach);  // a_b . reach with a_b = a + alpha x arm + centripetal
     added.noalias() += per_pressure * per_acceleration.transpose();
   });
-  return (Matrix6::Identity() + mobility * added).partialPivLu().solve(mobility);
+  return added;
+}
+
+Matrix6 Response::mobility_in_water(const exchange::BodyState& state, std::uint32_t body) const {
+  const Matrix6 mobility = mobility_of(state);
+  if (scheme_ == Scheme::kStaggered || mobility.isZero(0)) return mobility;
+  return (Matrix6::Identity() + mobility * added_mass(body)).partialPivLu().solve(mobility);
 }
 
 void Response::accelerate_body(Neighbourhood& items, std::uint32_t body, const Vector6& change) {

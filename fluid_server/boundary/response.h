@@ -95,6 +95,8 @@ class Response {
   };
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);
+  /// Q: minus the wrench by the pressure of the samples per acceleration of the body.
+  Eigen::Matrix<double, 6, 6> added_mass(std::uint32_t body) const;
   Eigen::Matrix<double, 6, 1> film(std::size_t body) const;  ///< wrench of the films on it
   /// Calls what(sample, wet) for the wet samples of a body, in their order.
   template <class What>
