@@ -328,6 +328,10 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                            {"seconds", r.seconds}};
     j["error"]["pressure_residual"] = r.worst_residual;
   }
+  if (const ShiftReport* shifting = fluid_.shifting())
+    j["shifting"] = {
+        {"mean_spacings", shifting->mean / static_cast<double>(std::max<std::uint64_t>(shifting->steps, 1))},
+        {"largest_spacings", shifting->largest}};
   const BarrierReport& barrier = fluid_.barrier();
   j["barrier"] = {{"pushes", barrier.pushes},
                   {"impulse_N_s", barrier.impulse},

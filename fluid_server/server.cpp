@@ -261,8 +261,14 @@ class Server {
   }
 
   /// The step itself; reads like the one in the folder's README.
-  Status try_step(const Step& step, std::uint32_t& iteration, double end) {
+  Status try_step(Step& step, std::uint32_t& iteration, double end) {
     fluid_->begin(states_, step.dt);
+    if (const double rate = fluid_->facts().drag_rate; rate * step.dt > kMostDrag) {
+      // The last step could not know it: there was none, or a body has come into the fluid.
+      fluid_->roll_back();
+      step = {1 / rate, Limit::kViscosity};
+      fluid_->begin(states_, step.dt);
+    }
     states_before_ = states_;
     if (!coupled_) {
       fluid_->move();
@@ -324,6 +330,7 @@ class Server {
 
   static constexpr double kLongestMove = 0.5;  // spacings a particle may move in a step
   static constexpr std::uint32_t kRetries = 8;
+  static constexpr double kMostDrag = 1.2;  // of the body's speed that viscosity may take in a step
 
   exchange::Segment& segment_;
   exchange::FluidLink link_;

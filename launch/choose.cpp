@@ -32,6 +32,12 @@ Choices choose(Scene& scene) {
     scene.numerics.pressure = Pressure::kWcsph;
     choices.pressure_reason = why_explicit(scene);
   }
+  if (scene.numerics.pressure == Pressure::kWcsph && scene.numerics.shifting == When::kAuto) {
+    const bool weightless = scene.numerics.reduced_gravity || scene.world.gravity.isZero(0);
+    scene.numerics.shifting = weightless ? When::kAlways : When::kNever;
+    choices.shifting_reason = weightless ? "no weight presses the particles together, and their lattice would tear"
+                                         : "their weight presses the particles together";
+  }
   if (scene.coupling.scheme != "auto") return choices;
   const auto joint = std::ranges::find_if(scene.joints, [&](const Joint& j) {
     if (j.kind == JointKind::kFixed && !moves_freely(scene, j.parent)) return false;  // held: it does not move at all

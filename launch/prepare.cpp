@@ -13,7 +13,8 @@ namespace ballast::launch {
 namespace {
 
 /// Passes and fields of the fluid.
-void find_left_out_of_fluid(const Scene& scene, std::vector<LeftOut>& out) {
+void find_left_out_of_fluid(const Prepared& prepared, std::vector<LeftOut>& out) {
+  const Scene& scene = prepared.scene;
   const auto any = [&](auto differs) { return std::ranges::any_of(scene.fluids, differs); };
   if (!any([](const Fluid& f) { return f.viscosity > 0; }))
     out.push_back({kViscous, "no fluid has viscosity", "terms in two passes, and a velocity per particle",
@@ -23,6 +24,11 @@ void find_left_out_of_fluid(const Scene& scene, std::vector<LeftOut>& out) {
   if (!std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     out.push_back({kFilms, "no body moves freely", "a solve of the pressure between them, and its samples",
                    "none: nothing could be lifted"});
+  if (scene.numerics.pressure == Pressure::kWcsph && scene.numerics.shifting == When::kNever)
+    out.push_back(
+        {kShifting,
+         prepared.choices.shifting_reason.empty() ? "numerics.shifting is never" : prepared.choices.shifting_reason,
+         "two passes over the fluid", "where no weight holds them, the lattice of the particles tears"});
   if (scene.numerics.pressure != Pressure::kImplicit)
     out.push_back({kCompression, "numerics.pressure is not implicit", "its solver, and a number per particle",
                    "none: the explicit solver needs neither"});
@@ -39,13 +45,13 @@ std::vector<LeftOut> find_left_out(const Prepared& prepared) {
   if (!rigid) {
     out.push_back({kRigidProcess, "every model is static", "one process, and every exchange", "none: nothing moves"});
   }
-  if (fluid) find_left_out_of_fluid(scene, out);
+  if (fluid) find_left_out_of_fluid(prepared, out);
   if (fluid && rigid && !prepared.contact_sets) {
     out.push_back(
         {kContactSets,
-         scene.coupling.contact_sets == ContactSets::kNever ? "coupling.contact_sets is never"
-                                                            : "nobody reads them: output.lcm is false (--lcm), and "
-                                                              "engines take wrenches (coupling.contact_sets: always)",
+         scene.coupling.contact_sets == When::kNever ? "coupling.contact_sets is never"
+                                                     : "nobody reads them: output.lcm is false (--lcm), and "
+                                                       "engines take wrenches (coupling.contact_sets: always)",
          "a pass over the wetted samples of every step, and a ring for it", "none: wrenches are exact without them"});
   }
   if (std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.surface_tension > 0; })) {
@@ -318,16 +324,15 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.oddities = odd_bodies(out);
-  const ContactSets wanted = out.scene.coupling.contact_sets;
-  out.contact_sets = out.fluid && out.rigid &&
-                     (wanted == ContactSets::kAlways || (wanted == ContactSets::kAuto && out.scene.output.lcm));
+  const When wanted = out.scene.coupling.contact_sets;
+  out.contact_sets =
+      out.fluid && out.rigid && (wanted == When::kAlways || (wanted == When::kAuto && out.scene.output.lcm));
   out.left_out = find_left_out(out);
   return out;
 }
 
 void expect_foreign_engine(Prepared& prepared) {
-  prepared.contact_sets =
-      prepared.fluid && prepared.rigid && prepared.scene.coupling.contact_sets != ContactSets::kNever;
+  prepared.contact_sets = prepared.fluid && prepared.rigid && prepared.scene.coupling.contact_sets != When::kNever;
   prepared.left_out = find_left_out(prepared);
 }
 

@@ -20,6 +20,7 @@ inline constexpr const char* kVtk = "ParaView files";
 inline constexpr const char* kViscous = "viscous forces";
 inline constexpr const char* kDensities = "densities of particles";
 inline constexpr const char* kFilms = "films between solids";
+inline constexpr const char* kShifting = "particle shifting";
 inline constexpr const char* kCompression = "implicit pressure";
 
 /// A part that this scene does without.

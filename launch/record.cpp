@@ -217,6 +217,7 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   const Choices& chosen = prepared.choices;
   if (!chosen.scheme_reason.empty()) record["scheme_reason"] = chosen.scheme_reason;
   if (!chosen.pressure_reason.empty()) record["pressure_reason"] = chosen.pressure_reason;
+  if (!chosen.shifting_reason.empty()) record["shifting_reason"] = chosen.shifting_reason;
   record["has_fluid"] = prepared.fluid;
   record["exit"] = outcome.exit;
   record["interrupted"] = outcome.interrupted;

@@ -350,7 +350,7 @@ int run(const RunOptions& options) {
   plan.manifest = make_manifest(prepared->scene, prepared->bodies);
   // What the processes see; checkpoints and record keep the scene as it is, whoever reads along this time.
   Scene sent = prepared->scene;
-  sent.coupling.contact_sets = prepared->contact_sets ? ContactSets::kAlways : ContactSets::kNever;
+  sent.coupling.contact_sets = prepared->contact_sets ? When::kAlways : When::kNever;
   plan.scene_text = print_scene(sent);
   if (!prepared->contact_sets) plan.contact_bytes = 1;  // the least there is
   plan.out_dir = out_dir;

@@ -37,6 +37,7 @@ std::optional<double> bytes_of(const std::string& what, const Scene& scene, cons
   if (what == kVtk) return n.rows * n.particles * 8 * sizeof(float);
   if (what == kContactSets) return static_cast<double>(exchange::SegmentPlan{}.contact_bytes);
   if (what == kViscous) return n.particles * 4 * sizeof(float);
+  if (what == kShifting) return n.particles * sizeof(float) * 8;
   if (what == kDensities || what == kCompression) return n.particles * sizeof(float);
   return std::nullopt;
 }

@@ -78,8 +78,8 @@ inline constexpr std::pair<JointKind, std::string_view> kJointWords[] = {{JointK
                                                                          {JointKind::kPrismatic, "prismatic"},
                                                                          {JointKind::kBall, "ball"},
                                                                          {JointKind::kUniversal, "universal"}};
-inline constexpr std::pair<ContactSets, std::string_view> kContactSetsWords[] = {
-    {ContactSets::kAuto, "auto"}, {ContactSets::kAlways, "always"}, {ContactSets::kNever, "never"}};
+inline constexpr std::pair<When, std::string_view> kWhenWords[] = {
+    {When::kAuto, "auto"}, {When::kAlways, "always"}, {When::kNever, "never"}};
 inline constexpr std::pair<Pressure, std::string_view> kPressureWords[] = {
     {Pressure::kAuto, "auto"}, {Pressure::kWcsph, "wcsph"}, {Pressure::kImplicit, "implicit"}};
 inline constexpr std::pair<KernelKind, std::string_view> kKernelWords[] = {
@@ -87,7 +87,7 @@ inline constexpr std::pair<KernelKind, std::string_view> kKernelWords[] = {
 
 inline WordTable<Accuracy> words_of(Accuracy) { return kAccuracyWords; }
 inline WordTable<JointKind> words_of(JointKind) { return kJointWords; }
-inline WordTable<ContactSets> words_of(ContactSets) { return kContactSetsWords; }
+inline WordTable<When> words_of(When) { return kWhenWords; }
 inline WordTable<Pressure> words_of(Pressure) { return kPressureWords; }
 inline WordTable<KernelKind> words_of(KernelKind) { return kKernelWords; }
 

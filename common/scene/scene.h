@@ -156,7 +156,8 @@ struct Joint {
   Place place;
 };
 
-enum class ContactSets { kAuto, kAlways, kNever };
+/// When an optional part of a run is there. kAuto: by a stated rule.
+enum class When { kAuto, kAlways, kNever };
 
 struct Coupling {
   std::string engine = "ode";   ///< ode, free_body
@@ -165,7 +166,7 @@ struct Coupling {
   int most_iterations = 20;     ///< iterated: exchanges in a step
   int substeps = 1;             ///< engine steps per exchange
   double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
-  ContactSets contact_sets = ContactSets::kAuto;  ///< send where each body touches the fluid beside its wrench
+  When contact_sets = When::kAuto;  ///< send where each body touches the fluid beside its wrench
 };
 
 enum class Pressure { kAuto, kWcsph, kImplicit };
@@ -177,6 +178,7 @@ struct Numerics {
   double sound_speed = 0;              ///< m/s; 0: ten times the largest speed expected
   double courant = 0;                  ///< of the acoustic step; 0: the accuracy class's
   double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
+  When shifting = When::kAuto;         ///< explicit solver: move particles back to even distances
   double artificial_viscosity = 0.02;  ///< alpha (Monaghan 1992), between particles only
   double energy_bound = 0.1;           ///< energy gained over the energy at play: beyond it a run has diverged
   bool relax = true;                   ///< relax the particles at the start

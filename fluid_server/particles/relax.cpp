@@ -24,13 +24,14 @@ double spread(const std::vector<float>& delta) {
 }  // namespace
 
 RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coordinates& coordinates,
-                  const PassConstants& constants, double spacing, int at_most,
+                  const PassConstants& constants, double spacing, bool shifting, int at_most,
                   const std::function<void()>& sign_of_life) {
   RelaxReport report;
   Neighbourhood items(coordinates, constants.kernel.support, constants.kernel.dimension, constants.threads);
   items.set_static_samples(solid);
   Particles sorted;
   std::vector<float> delta, gradient;
+  std::vector<Unevenness> uneven;
   std::vector<Vec3> last(particles.size(), Vec3::Zero());  // move of each particle, by id
   double earlier = 0;
   const double step = 0.2 * spacing * spacing, longest = 0.1 * spacing;
@@ -39,6 +40,7 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
     items.rebuild(particles, sorted, {}, 0);
     build_lists(items, constants);
     sum_density(items, constants, delta, gradient);
+    if (shifting) find_unevenness(items, constants, spacing, uneven);
     if (round == 0) report.spread_before = spread(delta);
     report.spread_after = spread(delta);
     if (round % kLook == 0) {
@@ -49,7 +51,9 @@ RelaxReport relax(Particles& particles, std::span<const Record> solid, const Coo
 #pragma omp parallel for num_threads(constants.threads) schedule(static) reduction(max : largest)
     for (std::size_t f = 0; f < sorted.size(); ++f) {
       Record& r = sorted.record[f];
-      Vec3 move = kKeep * last[sorted.id[f]] - step * Eigen::Vector3f::Map(&gradient[3 * f]).cast<double>();
+      const Eigen::Vector3f push = shifting ? Eigen::Vector3f(Eigen::Vector3f::Map(uneven[f].push))
+                                            : Eigen::Vector3f(-Eigen::Vector3f::Map(&gradient[3 * f]));
+      Vec3 move = kKeep * last[sorted.id[f]] + step * push.cast<double>();
       const double length = move.norm();
       if (length > longest) move *= longest / length;
       last[sorted.id[f]] = move;

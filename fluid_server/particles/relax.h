@@ -19,9 +19,10 @@ struct RelaxReport {
 
 /// Moves the particles by -0.2 d^2 sum V grad W and 0.8 of their last move, at most 0.1 d a round, until the largest
 /// move is below 5e-4 d, the spread of the summed density falls by less than 5 % in 50 rounds, or after `at_most`
-/// rounds; gives a sign of life in each. `solid` are all samples and the ghosts that hold the free surface.
+/// rounds; gives a sign of life in each. `shifting`: along the push of Unevenness instead, so that particle shifting
+/// has nothing to do at the start. `solid` are all samples and the ghosts that hold the free surface.
 RelaxReport relax(
     Particles& particles, std::span<const Record> solid, const Coordinates& coordinates, const PassConstants& constants,
-    double spacing, int at_most, const std::function<void()>& sign_of_life = [] {});
+    double spacing, bool shifting, int at_most, const std::function<void()>& sign_of_life = [] {});
 
 }  // namespace ballast::fluid

@@ -156,6 +156,39 @@ class Pairs {
     return total(w) + self_value(item);
   }
 
+  HWY_INLINE Unevenness unevenness(std::uint32_t item, float per_value) const {
+    const F d;
+    const VF zero = hn::Zero(d), scale = hn::Set(d, per_value), fifth = hn::Set(d, 0.2f);
+    const Record& own = items_.record[item];
+    VF px = zero, py = zero, pz = zero, gx = zero, gy = zero, gz = zero, full = zero, fastest = zero;
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      const auto sample = hn::Lt(motion.d, zero);
+      const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
+      full = hn::NegMulAdd(vg, r.r2, full);
+      const VF near = hn::Mul(kernel_.value(r.r2), scale), near2 = hn::Mul(near, near);
+      const VF push = hn::MulAdd(hn::Mul(fifth, hn::Mul(near2, near2)), vg, vg);
+      px = hn::NegMulAdd(push, r.x, px);
+      pz = hn::NegMulAdd(push, r.z, pz);
+      const VF both = hn::IfThenElse(sample, vg, hn::Add(vg, vg));
+      gx = hn::MulAdd(both, r.x, gx);
+      gz = hn::MulAdd(both, r.z, gz);
+      const VF vx = hn::Sub(hn::Set(d, own.vx), motion.a), vy = hn::Sub(hn::Set(d, own.vy), motion.b);
+      const VF vz = hn::Sub(hn::Set(d, own.vz), motion.c);
+      VF v2 = hn::MulAdd(vx, vx, hn::Mul(vz, vz));
+      if constexpr (Dim == 3) {
+        py = hn::NegMulAdd(push, r.y, py);
+        gy = hn::MulAdd(both, r.y, gy);
+        v2 = hn::MulAdd(vy, vy, v2);
+      }
+      fastest =
+          hn::Max(fastest, hn::IfThenZeroElse(hn::Or(sample, hn::Eq(r.slope, zero)), v2));  // 0: beyond the kernel
+    });
+    return {{total(px), total(py), total(pz)},
+            {total(gx), total(gy), total(gz)},
+            std::sqrt(hn::GetLane(hn::MaxOfLanes(d, fastest))),
+            total(full) / Dim};
+  }
+
   /// What a row of the pressure system needs. Keeps the pairs' gradients, their sum, and W of the pairs with samples.
   HWY_INLINE RowSums row_sums(std::uint32_t item, float* gradient, float* values, PairGradients::Sum& whole) const {
     const F d;

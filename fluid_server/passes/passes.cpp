@@ -99,6 +99,17 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
 }
 
 template <int Dim, KernelKind K>
+void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
+  const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
+  const float per_value = static_cast<float>(1 / constants.kernel.value(spacing));
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     out[f] = pairs.unevenness(items.fluid_item[f], per_value);
+                 });
+}
+
+template <int Dim, KernelKind K>
 void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
              PairGradients& kept) {
   const Pairs<Dim, K> pairs(items, extras, constants);
@@ -233,6 +244,9 @@ void AccelerateThese(const Neighbourhood& items, const ItemExtras& extras, const
 void Sum(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   BALLAST_BY_KERNEL(SumAll, constants.kernel, items, constants, delta, gradient);
 }
+void Uneven(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
+  BALLAST_BY_KERNEL(UnevennessAll, constants.kernel, items, constants, spacing, out);
+}
 void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
           PairGradients& pairs) {
   BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums, pairs);
@@ -271,6 +285,7 @@ HWY_EXPORT(Gather);
 HWY_EXPORT(Accelerate);
 HWY_EXPORT(AccelerateThese);
 HWY_EXPORT(Sum);
+HWY_EXPORT(Uneven);
 HWY_EXPORT(Rows);
 HWY_EXPORT(Average);
 HWY_EXPORT(Diagonal);
@@ -311,6 +326,11 @@ void sum_density(const Neighbourhood& items, const PassConstants& constants, std
   delta.resize(items.fluid_item.size());
   gradient.resize(3 * items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Sum)(items, constants, delta.data(), gradient.data());
+}
+void find_unevenness(const Neighbourhood& items, const PassConstants& constants, double spacing,
+                     std::vector<Unevenness>& out) {
+  out.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Uneven)(items, constants, spacing, out.data());
 }
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
               std::vector<RowSums>& sums, PairGradients& pairs) {

@@ -40,6 +40,7 @@ struct ItemExtras {
   std::vector<NormalRecord> normal;    ///< per item, set for samples, if PassConstants::ram_on_samples
   std::vector<ViscousRecord> viscous;  ///< per item if PassConstants::viscous
   std::vector<float> density;          ///< rest density per item (samples: any), or one value
+  float density_of(std::uint32_t item) const { return density.size() == 1 ? density[0] : density[item]; }
 };
 
 /// Sums of one wet boundary sample over its fluid neighbours k.
@@ -91,6 +92,16 @@ void accelerate_some(const Neighbourhood& items, const ItemExtras& extras, const
 /// count.
 void sum_density(const Neighbourhood& items, const PassConstants& constants, std::vector<float>& delta,
                  std::vector<float>& gradient);
+
+/// How uneven the distances around a particle are.
+struct Unevenness {
+  float push[3];   ///< -sum V_j (1 + (W / W(d))^4 / 5) g r, towards even ones, 1/m; against pairs: Monaghan (2000)
+  float dense[3];  ///< sum V_j g r, counted twice where j is a particle, 1/m
+  float speed;     ///< largest of a neighbour (a particle) against it, m/s
+  float fullness;  ///< -sum V_j g r^2 over the dimension: 1 inside, less at a surface
+};
+void find_unevenness(const Neighbourhood& items, const PassConstants& constants, double spacing,
+                     std::vector<Unevenness>& out);
 
 // --- the implicit solver's passes. With G the map from pressures to the forces -V_i sum V_j (p_i + p_j) g r on the
 // particles, samples carrying the extrapolated p_b = sum_k e_bk p_k, e_bk = V_k W / sum V W, the divergence is its

@@ -8,6 +8,8 @@ namespace ballast::fluid {
 
 namespace {
 
+constexpr double kPacking = 5e-3;  // density error that the packing of the particles alone makes
+
 double total(const Measures& m) { return m.kinetic + m.potential + m.elastic; }
 
 /// Energy that gravity would release if all fluid fell to where its lowest particle is, J; the world's gravity also
@@ -46,6 +48,9 @@ void EnergyBalance::start(const Measures& now) {
   const double slow = fluid_.spacing();
   most_kinetic_ = std::max(now.kinetic, 0.5 * now.mass * slow * slow);
   most_elastic_ = now.elastic;
+  // A fluid that nothing presses down takes on whatever uniform pressure the packing of its particles makes.
+  const bool weightless = head_ == 0 || scene_.numerics.reduced_gravity;
+  least_ = weightless ? 0.5 * kPacking * kPacking * fluid_.stiffness() : 0;
   work_ = most_work_ = gain_ = now_ = share_ = 0;
 }
 
@@ -76,6 +81,6 @@ void EnergyBalance::measure(const Measures& now) {
   share_ = std::max(share_, now_);
 }
 
-double EnergyBalance::reference() const { return head_ + most_kinetic_ + most_elastic_ + most_work_; }
+double EnergyBalance::reference() const { return std::max(head_ + most_kinetic_ + most_elastic_ + most_work_, least_); }
 
 }  // namespace ballast::fluid

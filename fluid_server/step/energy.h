@@ -40,7 +40,7 @@ class EnergyBalance {
   /// For checkpoints.
   template <class A>
   void state(A& a) {
-    a("begin", begin_), a("head", head_), a("work", work_), a("most_work", most_work_);
+    a("begin", begin_), a("head", head_), a("least", least_), a("work", work_), a("most_work", most_work_);
     a("most_kinetic", most_kinetic_), a("most_elastic", most_elastic_), a("gain", gain_), a("now", now_);
     a("share", share_);
   }
@@ -50,7 +50,7 @@ class EnergyBalance {
   const WcsphFluid& fluid_;
   std::string left_out_;
   std::vector<Vec3> buoyancy_;  // N, of numerics.reduced_gravity: nobody has its potential energy in a sum
-  double begin_ = 0, head_ = 0, work_ = 0;
+  double begin_ = 0, head_ = 0, least_ = 0, work_ = 0;
   double most_work_ = 0, most_kinetic_ = 0, most_elastic_ = 0;
   double gain_ = 0, now_ = 0, share_ = 0;
 };

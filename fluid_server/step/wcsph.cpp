@@ -79,12 +79,14 @@ void WcsphFluid::remember() {
   if (const Seepage* films = response_->films())
     films_before_.assign(films->wrenches().begin(), films->wrenches().end());
   barrier_before_ = barrier_->report();
+  if (shifting_) shift_before_ = shifting_->report();
   if (repeats_ && implicit_) compression_before_ = particles_.compression;
 }
 
 void WcsphFluid::put_back() {
   if (Seepage* films = response_->films()) films->put_back(films_before_);
   barrier_->put_back(barrier_before_);
+  if (shifting_) shifting_->put_back(shift_before_);
 }
 
 /// Pressure as far as it hangs on the bodies' accelerations, and the wrenches.
@@ -124,7 +126,9 @@ void WcsphFluid::move() {
     for (const Barrier::Push& push : barrier_->pushes())
       Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
     if (attraction_rate_ > 0) attract();
+    if (shifting_) shifting_->find(*items_, constants_);
     const double dt = constants_.dt;
+    const float stiffness = constants_.sound_speed * constants_.sound_speed;
     double speed2 = 0, acceleration2 = 0, check = 0;
     std::uint64_t left = 0;
 #pragma omp parallel for num_threads(constants_.threads) schedule(static) reduction(max : speed2, acceleration2) \
@@ -135,9 +139,14 @@ void WcsphFluid::move() {
       r.vx += constants_.dt * a[0];
       r.vy += constants_.dt * a[1];
       r.vz += constants_.dt * a[2];
-      bool inside = advance(r.x, r.vx * dt, coordinates_.quantum[0], coordinates_.periodic[0]);
-      inside &= advance(r.y, r.vy * dt, coordinates_.quantum[1], coordinates_.periodic[1]);
-      inside &= advance(r.z, r.vz * dt, coordinates_.quantum[2], coordinates_.periodic[2]);
+      Vec3 way(r.vx * dt, r.vy * dt, r.vz * dt);
+      if (shifting_) {
+        way += shifting_->move(f).cast<double>();
+        r.p -= stiffness * extras_.density_of(items_->fluid_item[f]) * shifting_->expansion();
+      }
+      bool inside = advance(r.x, way[0], coordinates_.quantum[0], coordinates_.periodic[0]);
+      inside &= advance(r.y, way[1], coordinates_.quantum[1], coordinates_.periodic[1]);
+      inside &= advance(r.z, way[2], coordinates_.quantum[2], coordinates_.periodic[2]);
       if (!inside) r.volume = 0, ++left;
       const double v2 =
           static_cast<double>(r.vx) * r.vx + static_cast<double>(r.vy) * r.vy + static_cast<double>(r.vz) * r.vz;
@@ -230,6 +239,14 @@ const FluidProperties& WcsphFluid::fluid_of(std::uint32_t id) const {
   for (const FluidProperties& next : filled_.fluids)
     if (id >= next.first_id) fluid = &next;
   return *fluid;
+}
+
+double WcsphFluid::stiffness() const {
+  if (implicit_) return 0;
+  double mass = 0;
+  for (std::size_t f = 0; f < particles_.size(); ++f)
+    mass += static_cast<double>(fluid_of(particles_.id[f]).density) * particles_.record[f].volume;
+  return mass * constants_.sound_speed * constants_.sound_speed;
 }
 
 Measures WcsphFluid::measure() const {

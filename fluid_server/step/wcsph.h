@@ -16,6 +16,7 @@
 #include "fluid_server/particles/relax.h"
 #include "fluid_server/passes/passes.h"
 #include "fluid_server/pressure/implicit.h"
+#include "fluid_server/step/shifting.h"
 #include "fluid_server/step/step_control.h"
 
 namespace ballast::fluid {
@@ -110,9 +111,13 @@ class WcsphFluid {
     a("response", *response_);
     a("barrier", *barrier_);
     if (implicit_) a("implicit", *implicit_);
+    if (shifting_) a("shifting", *shifting_);
   }
 
+  /// rho c^2 times volume, summed, J; 0 for an incompressible fluid.
+  double stiffness() const;
   const BarrierReport& barrier() const { return barrier_->report(); }
+  const ShiftReport* shifting() const { return shifting_ ? &shifting_->report() : nullptr; }
   std::size_t memory() const;  ///< bytes of all arrays that live through a step
 
  private:
@@ -146,12 +151,14 @@ class WcsphFluid {
   std::vector<float> pressure_, acceleration_;
   std::vector<SampleSums> sums_;
   std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
+  std::unique_ptr<Shifting> shifting_;          // null: particles go where their velocity takes them
   ImplicitOptions implicit_options_;
   StepFacts facts_, facts_before_;
   bool repeats_ = false;  // again() may be called
   std::vector<float> compression_before_;
   std::vector<exchange::Wrench> films_before_;
   BarrierReport barrier_before_;
+  ShiftReport shift_before_;
   double kinematic_viscosity_ = 0;  // largest, m^2/s
   std::function<void()> sign_of_life_;
   StageTimes times_;

@@ -132,12 +132,14 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.samples_ = std::make_unique<Samples>(
       Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
   self.particles_ = std::move(self.filled_.particles);
+  if (scene.numerics.pressure != Pressure::kImplicit && scene.numerics.shifting == When::kAlways)
+    self.shifting_ = std::make_unique<Shifting>(self.spacing_);
   if (scene.numerics.relax && relax_start) {
     std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
     std::erase_if(solid, [](const Record& r) { return r.volume == 0; });
     solid.insert(solid.end(), self.filled_.ghosts.begin(), self.filled_.ghosts.end());
-    self.relax_report_ =
-        relax(self.particles_, solid, self.coordinates_, self.constants_, self.spacing_, 1000, self.sign_of_life_);
+    self.relax_report_ = relax(self.particles_, solid, self.coordinates_, self.constants_, self.spacing_,
+                               self.shifting_ != nullptr, 1000, self.sign_of_life_);
   }
   self.filled_.ghosts = {};
   self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
@@ -151,9 +153,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density,
                                       threads);
-  self.response_ =
-      std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
-                                 scene.coupling.contact_sets == ContactSets::kAlways, self.spacing_, threads);
+  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
+                                              scene.coupling.contact_sets == When::kAlways, self.spacing_, threads);
   self.barrier_ =
       std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_, scene.numerics.pressure != Pressure::kImplicit);
   if (scene.numerics.pressure == Pressure::kImplicit) {

@@ -230,6 +230,40 @@ TEST_P(Passes, SummedDensityCountsTheParticleItselfOnce) {
   }
 }
 
+TEST_P(Passes, UnevennessEqualsTheSumsOverPairs) {
+  build_lists(items_, constants_);
+  std::vector<Unevenness> uneven;
+  find_unevenness(items_, constants_, kSpacing, uneven);
+  ASSERT_EQ(uneven.size(), after_.size());
+  double worst_push = 0, worst_dense = 0, largest = 0;
+  for (std::size_t f = 0; f < after_.size(); ++f) {
+    const Record& own = after_.record[f];
+    Vec3 push = Vec3::Zero(), dense = Vec3::Zero();
+    double speed = 0, full = 0, scale = 0;
+    for (std::uint32_t j = 0; j < items_.size(); ++j) {
+      const Record& other = items_.record[j];
+      const Vec3 r = difference(own, other);
+      if (j == items_.fluid_item[f] || r.norm() >= kernel_.support) continue;
+      const Vec3 gradient = std::abs(other.volume) * slope(r.norm()) * r;
+      const double near = kernel_.value(r.norm()) / kernel_.value(kSpacing);
+      push -= (1 + 0.2 * std::pow(near, 4)) * gradient;
+      dense += (other.volume > 0 ? 2 : 1) * gradient;
+      full -= std::abs(other.volume) * slope(r.norm()) * r.squaredNorm() / GetParam().dimension;
+      if (other.volume > 0 && r.norm() < 0.999 * kernel_.support)
+        speed = std::max(speed, (velocity(own) - velocity(other)).norm());
+      scale += (1 + 0.2 * std::pow(near, 4)) * gradient.norm();
+    }
+    worst_push = std::max(worst_push, (push - Eigen::Vector3f::Map(uneven[f].push).cast<double>()).norm());
+    worst_dense = std::max(worst_dense, (dense - Eigen::Vector3f::Map(uneven[f].dense).cast<double>()).norm());
+    largest = std::max(largest, scale);
+    ASSERT_NEAR(uneven[f].fullness, full, 1e-5 * (1 + full));
+    ASSERT_GE(uneven[f].speed, (1 - 1e-6) * speed);
+    ASSERT_LE(uneven[f].speed, 1.8);
+  }
+  EXPECT_LT(worst_push, 1e-5 * largest);
+  EXPECT_LT(worst_dense, 1e-5 * largest);
+}
+
 TEST_P(Passes, SampleSumsSeeOnlyFluid) {
   build_lists(items_, constants_);
   std::vector<SampleSums> sums;

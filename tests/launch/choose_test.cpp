@@ -62,5 +62,23 @@ TEST(Choose, TheSolverIsTheExplicitOneAndTheReasonFitsTheScene) {
   EXPECT_NE(choose(empty).pressure_reason.find("still water"), std::string::npos);
 }
 
+TEST(Choose, ParticlesAreShiftedWhereNoWeightPressesThemTogether) {
+  Scene scene = crate_in_water();
+  EXPECT_NE(choose(scene).shifting_reason, "");
+  EXPECT_EQ(scene.numerics.shifting, When::kNever);
+  Scene light = crate_in_water();
+  light.world.gravity = Vec3::Zero();
+  EXPECT_NE(choose(light).shifting_reason, "");
+  EXPECT_EQ(light.numerics.shifting, When::kAlways);
+  Scene reduced = crate_in_water();
+  reduced.numerics.reduced_gravity = true;
+  choose(reduced);
+  EXPECT_EQ(reduced.numerics.shifting, When::kAlways);
+  Scene said = crate_in_water();
+  said.numerics.shifting = When::kAlways;
+  EXPECT_EQ(choose(said).shifting_reason, "");
+  EXPECT_EQ(said.numerics.shifting, When::kAlways);
+}
+
 }  // namespace
 }  // namespace ballast::launch

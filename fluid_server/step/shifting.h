@@ -1,0 +1,47 @@
+// Particle shifting: where no weight presses the particles of a fluid together, shear tears their lattice, and what is
+// torn takes energy from the flow. Every step moves them a little towards even distances (Lind et al., J. Comput. Phys.
+// 231 (2012) 1499-1523), in proportion to the shear that disorders them: nothing at rest, and the same in any frame.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "fluid_server/passes/passes.h"
+
+namespace ballast::fluid {
+
+/// Sums over the run, for the record.
+struct ShiftReport {
+  std::uint64_t steps = 0;
+  double mean = 0;     ///< of a particle in a step, sum over steps, spacings
+  double largest = 0;  ///< of any particle in any step, spacings
+};
+
+class Shifting {
+ public:
+  explicit Shifting(double spacing) : spacing_(spacing) {}
+
+  /// Lists and records are those of the step. Finds the moves, and by how much they spread the fluid out: pressure
+  /// follows the velocities, so that what shifting undoes would pile up as pressure. Their mean is given back:
+  /// `expansion`, the share of its density that the fluid loses.
+  void find(const Neighbourhood& items, const PassConstants& constants);
+  /// Move of a particle, m.
+  Eigen::Vector3f move(std::size_t particle) const { return Eigen::Vector3f::Map(uneven_[particle].push); }
+  float expansion() const { return expansion_; }
+
+  const ShiftReport& report() const { return report_; }
+  void put_back(const ShiftReport& report) { report_ = report; }
+  std::size_t memory() const { return uneven_.capacity() * sizeof(Unevenness); }
+  template <class A>
+  void state(A& a) {
+    a("report", report_);
+  }
+
+ private:
+  double spacing_;
+  std::vector<Unevenness> uneven_;  // `push` becomes the move
+  float expansion_ = 0;
+  ShiftReport report_;
+};
+
+}  // namespace ballast::fluid
