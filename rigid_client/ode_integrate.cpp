@@ -56,7 +56,8 @@ void OdeSolver::advance(BodySet& bodies, std::span<const ContactPoint> contacts,
 }
 
 // The fluid's wrench depends on the position, and the midpoint step alone would pump it (growth w^2 h/4 per second,
-// COUPLING.md 4): it is given as a kick before, together with the weight that it may balance.
+// COUPLING.md 4): it is given as a kick before, together with the weight and the springs that it may balance. Left to
+// the midpoint, they would move the body by another velocity than the one that the fluid is told.
 void OdeSolver::kick(BodySet& bodies, const std::vector<const Island*>& islands, double h) {
   Batch batch;
   for (const Island* island : islands) {
@@ -67,9 +68,10 @@ void OdeSolver::kick(BodySet& bodies, const std::vector<const Island*>& islands,
       force_[b] = wet ? Vec3(weight + bodies.force(b)) : weight;
       torque_[b] = bodies.torque(b);
     }
+    for (const std::size_t j : island->joints) joints_.kick_spring(j, wet);
     if (wet) batch.islands.push_back(island);
   }
-  batch.solve = Solve::kImpulse;
+  batch.solve = Solve::kKick;
   batch.h = h;
   run(bodies, {}, batch);
   for (const Island* island : batch.islands) {

@@ -180,19 +180,24 @@ void OdeJoints::set(const Entry& entry, int parameter, double value) {
   if (entry.record.type == JointType::kFixed) dJointSetFixedParam(entry.joint, parameter, value);
 }
 
+// A kick stands at the start of the step, -k (x + h/4 (v' - v)) - c v': with the drift x += h v' behind it that is a
+// swing that neither grows nor fades at any w h (symplectic Euler with k / (1 + (w h)^2 / 4)).
 void OdeJoints::prepare_spring(const Entry& entry, Solve solve, double h) {
   const JointRecord& r = entry.record;
-  const double stiffness = r.spring * h + r.damper;
-  const double target = -r.spring * (entry.value - r.rest) / stiffness;
-  const double effort = solve == Solve::kImpulse ? 0 : dInfinity;
+  const bool kick = solve == Solve::kKick;
+  const double ahead = kick ? 0.25 * h : h;
+  const double stiffness = r.spring * ahead + r.damper;
+  const double from = entry.value - r.rest - (kick ? ahead * entry.rate : 0);
+  const bool silent = solve == Solve::kImpulse || (solve == Solve::kSmooth && entry.kicks);
   const auto put = r.type == JointType::kRevolute ? dJointSetAMotorParam : dJointSetLMotorParam;
-  put(entry.spring, dParamVel, target);
+  put(entry.spring, dParamVel, -r.spring * from / stiffness);
   put(entry.spring, dParamCFM, 1 / stiffness);
-  put(entry.spring, dParamFMax, effort);
+  put(entry.spring, dParamFMax, silent ? 0 : dInfinity);
 }
 
 void OdeJoints::prepare(Solve solve, double h, double softness) {
-  const double erp = solve == Solve::kImpulse ? 0 : kJointErp;
+  const bool no_time = solve == Solve::kImpulse || solve == Solve::kKick;
+  const double erp = no_time ? 0 : kJointErp;
   dWorldSetERP(world_, erp);
   dWorldSetCFM(world_, softness);
   for (const Entry& e : entries_) {
@@ -203,9 +208,7 @@ void OdeJoints::prepare(Solve solve, double h, double softness) {
     }
     const bool limits = solve != Solve::kSmooth;
     const double beyond = std::max({e.record.lower - e.value, e.value - e.record.upper, 0.0});
-    const double stop = solve == Solve::kImpulse ? 0
-                        : beyond > 0             ? std::min(kStopErp, return_speed_ * h / beyond)
-                                                 : kStopErp;
+    const double stop = no_time ? 0 : beyond > 0 ? std::min(kStopErp, return_speed_ * h / beyond) : kStopErp;
     set(e, dParamLoStop, limits && std::isfinite(e.record.lower) ? e.record.lower : -dInfinity);
     set(e, dParamHiStop, limits && std::isfinite(e.record.upper) ? e.record.upper : dInfinity);
     set(e, dParamStopERP, stop);

@@ -10,9 +10,10 @@ namespace ballast::rigid {
 
 /// What a call of an ODE stepper is for.
 enum class Solve {
-  kPlain,   ///< a step: velocities at its end
-  kSmooth,  ///< half a step towards the mean velocity of a midpoint step: neither limits nor motors act
-  kImpulse  ///< no time passes: velocities are made to fit joints and contacts; motors and springs are silent
+  kPlain,    ///< a step: velocities at its end
+  kSmooth,   ///< half a step towards the mean velocity of a midpoint step: neither limits nor motors act
+  kImpulse,  ///< no time passes: velocities are made to fit joints and contacts; motors and springs are silent
+  kKick      ///< the same with all that springs do in a step: before the drift of bodies that the fluid pushes
 };
 
 class OdeJoints {
@@ -29,6 +30,8 @@ class OdeJoints {
   void measure(BodySet& bodies);
   /// True if neither a motor nor a limit acts within the next h seconds.
   bool smooth(std::size_t j, double h) const;
+  /// Whether the spring of joint j acts in the kick, and is silent in the drift.
+  void kick_spring(std::size_t j, bool kicks) { entries_[j].kicks = kicks; }
   /// Sets the parameters of all joints for a solve over h seconds. `softness`: constraint force mixing that keeps
   /// closed loops regular.
   void prepare(Solve solve, double h, double softness);
@@ -40,6 +43,7 @@ class OdeJoints {
     dJointID joint = nullptr;
     dJointID spring = nullptr;   // motor whose target and softness make an implicit spring and damper
     double value = 0, rate = 0;  // rad, rad/s or m, m/s
+    bool kicks = false;
   };
   Status check(const exchange::JointRecord& record, const BodySet& bodies) const;
   void make(Entry& entry, dWorldID world, dBodyID child, dBodyID parent);

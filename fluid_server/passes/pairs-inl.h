@@ -160,11 +160,12 @@ class Pairs {
     const F d;
     const VF zero = hn::Zero(d), scale = hn::Set(d, per_value), fifth = hn::Set(d, 0.2f);
     const Record& own = items_.record[item];
-    VF px = zero, py = zero, pz = zero, gx = zero, gy = zero, gz = zero, full = zero, fastest = zero;
+    VF px = zero, py = zero, pz = zero, gx = zero, gy = zero, gz = zero, full = zero, solid = zero, fastest = zero;
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
       const auto sample = hn::Lt(motion.d, zero);
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       full = hn::NegMulAdd(vg, r.r2, full);
+      solid = hn::Sub(solid, hn::IfThenElseZero(sample, hn::Mul(vg, r.r2)));
       const VF near = hn::Mul(kernel_.value(r.r2), scale), near2 = hn::Mul(near, near);
       const VF push = hn::MulAdd(hn::Mul(fifth, hn::Mul(near2, near2)), vg, vg);
       px = hn::NegMulAdd(push, r.x, px);
@@ -186,7 +187,8 @@ class Pairs {
     return {{total(px), total(py), total(pz)},
             {total(gx), total(gy), total(gz)},
             std::sqrt(hn::GetLane(hn::MaxOfLanes(d, fastest))),
-            total(full) / Dim};
+            total(full) / Dim,
+            total(solid) / Dim};
   }
 
   /// What a row of the pressure system needs. Keeps the pairs' gradients, their sum, and W of the pairs with samples.

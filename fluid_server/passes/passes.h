@@ -99,6 +99,7 @@ struct Unevenness {
   float dense[3];  ///< sum V_j g r, counted twice where j is a particle, 1/m
   float speed;     ///< largest of a neighbour (a particle) against it, m/s
   float fullness;  ///< -sum V_j g r^2 over the dimension: 1 inside, less at a surface
+  float solid;     ///< the part of it that samples make
 };
 void find_unevenness(const Neighbourhood& items, const PassConstants& constants, double spacing,
                      std::vector<Unevenness>& out);

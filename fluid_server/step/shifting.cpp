@@ -13,6 +13,7 @@ constexpr float kStrength = 20;     // move = strength h dt (speed of a neighbou
 constexpr float kOvershoot = 1;     // d^2: a longer move for the same push passes the even place
 constexpr float kFarthest = 0.05f;  // d, in a step
 constexpr float kSurface = 0.92f, kInside = 0.96f;  // fullness of a particle that is not moved, that is
+constexpr float kSolid = 0.02f;  // share of solids in its surroundings that keeps a particle where it is
 
 }  // namespace
 
@@ -26,7 +27,8 @@ void Shifting::find(const Neighbourhood& items, const PassConstants& constants) 
         std::array<double, 3> sum{};
         for (std::size_t f = begin; f < end; ++f) {
           Unevenness& u = uneven_[f];
-          const float inside = std::clamp((u.fullness - kSurface) / (kInside - kSurface), 0.f, 1.f);
+          const float inside = std::clamp((u.fullness - kSurface) / (kInside - kSurface), 0.f, 1.f) *
+                               std::clamp(1 - u.solid / kSolid, 0.f, 1.f);
           auto move = Eigen::Vector3f::Map(u.push);
           move *= inside * std::min(rate * u.speed, kOvershoot * d * d);
           const float length = move.norm();

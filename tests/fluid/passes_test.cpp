@@ -239,7 +239,7 @@ TEST_P(Passes, UnevennessEqualsTheSumsOverPairs) {
   for (std::size_t f = 0; f < after_.size(); ++f) {
     const Record& own = after_.record[f];
     Vec3 push = Vec3::Zero(), dense = Vec3::Zero();
-    double speed = 0, full = 0, scale = 0;
+    double speed = 0, full = 0, solid = 0, scale = 0;
     for (std::uint32_t j = 0; j < items_.size(); ++j) {
       const Record& other = items_.record[j];
       const Vec3 r = difference(own, other);
@@ -249,6 +249,7 @@ TEST_P(Passes, UnevennessEqualsTheSumsOverPairs) {
       push -= (1 + 0.2 * std::pow(near, 4)) * gradient;
       dense += (other.volume > 0 ? 2 : 1) * gradient;
       full -= std::abs(other.volume) * slope(r.norm()) * r.squaredNorm() / GetParam().dimension;
+      if (other.volume < 0) solid -= std::abs(other.volume) * slope(r.norm()) * r.squaredNorm() / GetParam().dimension;
       if (other.volume > 0 && r.norm() < 0.999 * kernel_.support)
         speed = std::max(speed, (velocity(own) - velocity(other)).norm());
       scale += (1 + 0.2 * std::pow(near, 4)) * gradient.norm();
@@ -257,6 +258,7 @@ TEST_P(Passes, UnevennessEqualsTheSumsOverPairs) {
     worst_dense = std::max(worst_dense, (dense - Eigen::Vector3f::Map(uneven[f].dense).cast<double>()).norm());
     largest = std::max(largest, scale);
     ASSERT_NEAR(uneven[f].fullness, full, 1e-5 * (1 + full));
+    ASSERT_NEAR(uneven[f].solid, solid, 1e-5 * (1 + full));
     ASSERT_GE(uneven[f].speed, (1 - 1e-6) * speed);
     ASSERT_LE(uneven[f].speed, 1.8);
   }

@@ -160,6 +160,43 @@ TEST_P(Joints, SpringAndDamperFollowTheDampedOscillator) {
   }
 }
 
+/// The fluid sees the velocity that is reported: if the body moves by another one, the fluid loses or gains the way
+/// between.
+TEST_P(Joints, ASpringAgainstTheFluidMovesByTheVelocityThatIsReported) {
+  const double h = 1e-3, k = 200, push = 30;
+  const World world = oscillator(JointType::kPrismatic, k, 0);
+  if (!takes_joints(world)) return;
+  Simulation run(GetParam(), world, h);
+  run.wrenches[0].force[2] = push;
+  double worst = 0, last = run.position(0).z(), highest = 0;
+  run.to(3, [&] {
+    const double z = run.position(0).z();
+    worst = std::max(worst, std::abs(z - last - h * run.velocity(0).z()));
+    last = z;
+    highest = std::max(highest, z);
+  });
+  EXPECT_LT(worst, 1e-12) << "m a step";
+  const double middle = 0.3 + push / k;  // swings about it from 0
+  EXPECT_NEAR(highest, 2 * middle, 1e-3);
+  EXPECT_NEAR(run.position(0).z(), middle * (1 - std::cos(10 * 3.0)), 6e-3 * middle) << "half a step of phase";
+}
+
+// S32 with the fluid's force. Kick and drift keep v^2 + w'^2 x^2 - w'^2 h x v with w'^2 = w^2 / (1 + (w h)^2 / 4): from
+// rest the swing is sqrt(1 + (w h)^2 / 4) times as wide as it should be where a step cannot resolve it, but never
+// grows.
+TEST_P(Joints, StiffSpringsAreStableInTheFluid) {
+  for (const double product : {0.1, 1.0, 10.0}) {
+    const double k = 2 * product * product * 1e6;
+    const World world = oscillator(JointType::kPrismatic, k, 0);
+    if (!takes_joints(world)) return;
+    Simulation run(GetParam(), world, 1e-3);
+    run.wrenches[0].force[2] = 0.3 * k;
+    double highest = 0;
+    run.to(2, [&] { highest = std::max(highest, std::abs(run.position(0).z() - 0.6)); });
+    EXPECT_LT(highest, 0.6 * std::sqrt(1 + product * product / 4) * 1.001) << "omega dt = " << product;
+  }
+}
+
 // S32: omega dt from 0.1 to 10 must not blow up, with and without damping.
 TEST_P(Joints, S32_StiffSpringsAreStable) {
   for (const double product : {0.1, 1.0, 10.0}) {
