@@ -120,16 +120,16 @@ Quat rotated(const Quat& orientation, const Vec3& angle) {
 
 Motion prescribed_motion(const exchange::BodyRecord& record, double time) {
   Motion m;
-  const double phase = 2 * std::numbers::pi * record.drive_frequency;
+  const double rate = 2 * std::numbers::pi * record.drive_frequency, phase = record.drive_phase;
   const double since =
       std::clamp(time, record.drive_start, std::max(record.drive_start, record.drive_stop)) - record.drive_start;
   const bool moving = time >= record.drive_start && time < record.drive_stop;
   const Vec3 v = vec(record.drive_velocity), w = vec(record.drive_angular_velocity), a = vec(record.drive_amplitude);
-  m.position = vec(record.position) + v * since + a * std::sin(phase * since);
+  m.position = vec(record.position) + v * since + a * (std::sin(rate * since + phase) - std::sin(phase));
   const double* q = record.orientation;
   m.orientation = rotated(Quat(q[0], q[1], q[2], q[3]), w * since);
   if (moving) {
-    m.velocity = v + a * (phase * std::cos(phase * since));
+    m.velocity = v + a * (rate * std::cos(rate * since + phase));
     m.spin = w;
   }
   return m;
@@ -137,8 +137,8 @@ Motion prescribed_motion(const exchange::BodyRecord& record, double time) {
 
 Vec3 prescribed_acceleration(const exchange::BodyRecord& record, double time) {
   if (time < record.drive_start || time >= record.drive_stop) return Vec3::Zero();
-  const double phase = 2 * std::numbers::pi * record.drive_frequency;
-  return -phase * phase * std::sin(phase * (time - record.drive_start)) * vec(record.drive_amplitude);
+  const double rate = 2 * std::numbers::pi * record.drive_frequency;
+  return -rate * rate * std::sin(rate * (time - record.drive_start) + record.drive_phase) * vec(record.drive_amplitude);
 }
 
 Status BodySet::load(const exchange::ManifestView& manifest) {

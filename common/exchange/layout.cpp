@@ -76,6 +76,7 @@ constexpr LayoutField kFields[] = {
     FIELD(BodyRecord, drive_angular_velocity),
     FIELD(BodyRecord, drive_amplitude),
     FIELD(BodyRecord, drive_frequency),
+    FIELD(BodyRecord, drive_phase),
     FIELD(BodyRecord, drive_start),
     FIELD(BodyRecord, drive_stop),
     FIELD(BodyRecord, motion),

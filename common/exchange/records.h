@@ -42,12 +42,12 @@ struct BodyRecord {
   double friction, restitution;
   double volume;  ///< m^3
   // prescribed motion: constant twist and sinusoid between start and stop, see scene.h
-  double drive_velocity[3], drive_angular_velocity[3], drive_amplitude[3], drive_frequency, drive_start, drive_stop;
+  double drive_velocity[3], drive_angular_velocity[3], drive_amplitude[3], drive_frequency, drive_phase, drive_start, drive_stop;
   BodyMotion motion;
   std::uint32_t first_shape, shape_count;
   std::uint32_t reserved;
 };
-static_assert(sizeof(BodyRecord) == 64 + 8 * (1 + 6 + 3 + 4 + 3 + 3 + 3 + 12) + 16);
+static_assert(sizeof(BodyRecord) == 64 + 8 * (1 + 6 + 3 + 4 + 3 + 3 + 3 + 13) + 16);
 
 /// One convex or mesh part of a body, posed in the body frame. Containers appear as their walls (boxes) or as meshes.
 struct ShapeRecord {

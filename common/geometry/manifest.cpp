@@ -94,6 +94,7 @@ BodyRecord body_record(const Model& model, const Body& body) {
     copy(drive.angular_velocity, r.drive_angular_velocity);
     copy(drive.amplitude, r.drive_amplitude);
     r.drive_frequency = drive.frequency;
+    r.drive_phase = drive.phase;
     r.drive_start = drive.start;
     r.drive_stop = drive.stop;
   }

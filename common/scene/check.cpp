@@ -176,6 +176,10 @@ class Checker {
       fail(model.place, {"prescribed", "frequency"}, "a frequency without an amplitude moves nothing",
            "Add amplitude: [x, y, z].");
     }
+    if (p.amplitude.isZero(0) && p.phase != 0) {
+      fail(model.place, {"prescribed", "phase"}, "a phase without an amplitude moves nothing",
+           "Add amplitude: [x, y, z], and frequency.");
+    }
   }
 
   void check_walls(const Model& model, const Shape& shape) {

@@ -163,8 +163,11 @@ template <class V>
 void visit(V& v, Prescription& p) {
   v({"velocity", kSpeed, "constant"}, p.velocity);
   v({"angular_velocity", kAngularSpeed, "constant"}, p.angular_velocity);
-  v({"amplitude", kLength, "of a sinusoid in position, amplitude sin(2 pi frequency (t - start))"}, p.amplitude);
+  v({"amplitude", kLength,
+     "of a sinusoid in position, amplitude (sin(2 pi frequency (t - start) + phase) - sin(phase))"},
+    p.amplitude);
   v({"frequency", kFrequency, "of the sinusoid", kNotNegative}, p.frequency);
+  v({"phase", kAngle, "of the sinusoid at the start; 90 deg starts at rest, at the end of the way"}, p.phase);
   v({"start", kTime, "at rest before", kNotNegative}, p.start);
   v({"stop", kTime, "at rest after", kNotNegative}, p.stop);
 }

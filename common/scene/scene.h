@@ -111,12 +111,13 @@ struct Part {
 enum class Motion { kStatic, kDynamic, kPrescribed };
 
 /// Motion of a prescribed body: at rest before `start` and after `stop`, else constant twist plus a sinusoid in
-/// position: amplitude * sin(2 pi frequency (t - start)).
+/// position: amplitude * (sin(2 pi frequency (t - start) + phase) - sin(phase)), from the pose on.
 struct Prescription {
   Vec3 velocity = Vec3::Zero();          ///< m/s
   Vec3 angular_velocity = Vec3::Zero();  ///< rad/s
   Vec3 amplitude = Vec3::Zero();         ///< m
   double frequency = 0;                  ///< Hz
+  double phase = 0;                      ///< rad; a quarter turn starts at rest
   double start = 0;                      ///< s
   double stop = 1e300;                   ///< s
 };
@@ -160,12 +161,12 @@ struct Joint {
 enum class When { kAuto, kAlways, kNever };
 
 struct Coupling {
-  std::string engine = "ode";   ///< ode, free_body
-  std::string scheme = "auto";  ///< auto, interlinked, iterated, staggered
-  double tolerance = 0;         ///< iterated: relative interface residual a step may leave; 0: the accuracy class's
-  int most_iterations = 20;     ///< iterated: exchanges in a step
-  int substeps = 1;             ///< engine steps per exchange
-  double rigid_step = 1e-3;     ///< s, step of the engine where no fluid sets it
+  std::string engine = "ode";       ///< ode, free_body
+  std::string scheme = "auto";      ///< auto, interlinked, iterated, staggered
+  double tolerance = 0;             ///< iterated: relative interface residual a step may leave; 0: the accuracy class's
+  int most_iterations = 20;         ///< iterated: exchanges in a step
+  int substeps = 1;                 ///< engine steps per exchange
+  double rigid_step = 1e-3;         ///< s, step of the engine where no fluid sets it
   When contact_sets = When::kAuto;  ///< send where each body touches the fluid beside its wrench
 };
 

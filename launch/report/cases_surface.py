@@ -195,7 +195,7 @@ TORRICELLI = Case(
     about="A tank of 1 x 1 m empties through a slot of 0.1 m with sharp edges in its floor; speed of the jet a slot's width below, and discharge, from "
     "0.4 to 0.8 s. Particles that have left are lost on purpose.",
     source="Torricelli; contraction pi / (pi + 2) of free-streamline theory",
-    resolutions=(("coarse", 0.025), ("10s", 0.0166667), ("1min", 0.01), ("10min", 0.006)),
+    resolutions=(("coarse", 0.025), ("coarse", 0.0166667), ("10s", 0.01), ("1min", 0.006), ("10min", 0.004)),
     measures=(
         Measure("speed of the jet", "%", jet_speed, (0.05, 0.03, 0.02)),
         Measure("discharge", "%", discharge, (0.10, 0.05, 0.03)),

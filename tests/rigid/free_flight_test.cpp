@@ -124,6 +124,23 @@ TEST_P(FreeFlight, PrescribedGateMovesAsItsFormula) {
   for (const double m : run[gate].mobility) EXPECT_EQ(m, 0);
 }
 
+/// A tank let go at the end of its way: x = A (cos(w t) - 1), from rest.
+TEST_P(FreeFlight, AQuarterTurnOfPhaseStartsAtRest) {
+  World world;
+  const auto tank = world.box(BodyMotion::kPrescribed, 0, {0.1, 1, 1}, {1, 0, 0.5});
+  BodyRecord& r = world[tank];
+  r.drive_amplitude[0] = 0.1;
+  r.drive_frequency = 2;
+  r.drive_phase = std::numbers::pi / 2;
+  Simulation run(GetParam(), world, 1e-3);
+  EXPECT_NEAR(run.velocity(tank).norm(), 0, 1e-12);
+  EXPECT_EQ(run.position(tank), Vec(1, 0, 0.5));
+  run.to(0.3);
+  const double rate = 2 * std::numbers::pi * 2;
+  EXPECT_NEAR(run.position(tank).x(), 1 + 0.1 * (std::cos(rate * 0.3) - 1), 1e-12);
+  EXPECT_NEAR(run.velocity(tank).x(), -0.1 * rate * std::sin(rate * 0.3), 1e-9);
+}
+
 TEST_P(FreeFlight, MobilityIsTheInverseInertiaInTheWorld) {
   World world;
   const auto b = world.body(BodyMotion::kDynamic, 4, {1, 2, 3}, {0, 0, 0});

@@ -135,7 +135,7 @@ TEST(Manifest, HoldsEveryFieldOfBodiesJointsAndWorld) {
   crate.friction = 0.7;
   crate.restitution = 0.6;
   Model gate = model("gate", box({1, 1, 1}), at(20, 0, 0), Motion::kPrescribed);
-  gate.prescription = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 10, 11, 12};
+  gate.prescription = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 10, 0.25, 11, 12};
   Scene scene = scene_of({crate, gate, model("tank", open_box({9, 9, 9}), at(50, 0, 0), Motion::kStatic)});
   scene.coupling.substeps = 3;
   scene.joints.emplace_back();
@@ -170,6 +170,7 @@ TEST(Manifest, HoldsEveryFieldOfBodiesJointsAndWorld) {
   EXPECT_EQ(g.drive_angular_velocity[1], 5);
   EXPECT_EQ(g.drive_amplitude[2], 9);
   EXPECT_EQ(g.drive_frequency, 10);
+  EXPECT_EQ(g.drive_phase, 0.25);
   EXPECT_EQ(g.drive_start, 11);
   EXPECT_EQ(g.drive_stop, 12);
   EXPECT_EQ(m.bodies[2].first_shape, 3U);

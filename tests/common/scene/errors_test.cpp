@@ -224,6 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"mass: 2 kg", "prescribed: { start: 3, stop: 2 }", "21:35", "stops at 2 s", "start be before stop"},
         Case{"mass: 2 kg", "prescribed: { amplitude: [1, 0, 0] }", "21:30", "without a frequency", "frequency"},
         Case{"mass: 2 kg", "prescribed: { frequency: 3 }", "21:30", "without an amplitude", "amplitude"},
+        Case{"mass: 2 kg", "prescribed: { phase: 90 deg }", "21:26", "a phase without an amplitude", "frequency"},
         Case{"mass: 2 kg", "mass: 2 kg\n    repeat: { count: [2, 1, 1], step: [0, 1, 1] }", "22:39", "lie at one place",
              "step"},
         Case{"mass: 2 kg", "mass: 2 kg\n    repeat: { count: [999, 999, 1], step: [1, 1, 1] }", "22:22",

@@ -24,7 +24,7 @@ models:
       compound:
         - { shape: { cylinder: { radius: 0.1, length: 1 } }, pose: [0, 0, 1] }
         - { shape: { capsule: { radius: 0.1, length: 1 } }, pose: { rotation: [0.70711, 0, 0.70711, 0] } }
-    prescribed: { velocity: [0.1, 0, 0], amplitude: [0, 0, 1], frequency: 2 Hz, start: 1 s, stop: 2 s }
+    prescribed: { velocity: [0.1, 0, 0], amplitude: [0, 0, 1], frequency: 2 Hz, phase: 90 deg, start: 1 s, stop: 2 s }
   - { name: floor, static: true, shape: { plane: { normal: [0, 0.6, 0.8] } } }
   - { name: bowl, static: true, shape: { hollow_sphere: { radius: 1, wall: 2 spacings } } }
   - { name: drum, static: true, shape: { hollow_cylinder: { radius: 1, length: 2 } } }
