@@ -9,7 +9,7 @@
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 5;
+inline constexpr std::uint32_t kProtocolVersion = 6;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -42,7 +42,8 @@ struct BodyRecord {
   double friction, restitution;
   double volume;  ///< m^3
   // prescribed motion: constant twist and sinusoid between start and stop, see scene.h
-  double drive_velocity[3], drive_angular_velocity[3], drive_amplitude[3], drive_frequency, drive_phase, drive_start, drive_stop;
+  double drive_velocity[3], drive_angular_velocity[3], drive_amplitude[3], drive_frequency, drive_phase, drive_start,
+      drive_stop;
   BodyMotion motion;
   std::uint32_t first_shape, shape_count;
   std::uint32_t reserved;

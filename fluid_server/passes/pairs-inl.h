@@ -31,7 +31,7 @@ class Pairs {
     const VF pi = hn::Set(d, own.p), vx = hn::Set(d, own.vx), vy = hn::Set(d, own.vy), vz = hn::Set(d, own.vz);
     const VF hx = hn::Set(d, rho * constants_.gravity[0]), hy = hn::Set(d, rho * constants_.gravity[1]);
     const VF hz = hn::Set(d, rho * constants_.gravity[2]);
-    VF divergence = hn::Zero(d), diffusion = hn::Zero(d), fullness = hn::Zero(d);
+    VF divergence = hn::Zero(d), diffusion = hn::Zero(d), fullness = hn::Zero(d), fluid = hn::Zero(d);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       VF approach = hn::MulAdd(hn::Sub(vx, motion.a), r.x, hn::Mul(hn::Sub(vz, motion.c), r.z));
@@ -44,12 +44,14 @@ class Pairs {
       fullness = hn::NegMulAdd(vg, r.r2, fullness);
       const VF fluid_g = hn::Mul(hn::Max(motion.d, hn::Zero(d)), r.slope);  // samples carry no density of their own
       diffusion = hn::MulAdd(fluid_g, excess, diffusion);
+      fluid = hn::NegMulAdd(fluid_g, r.r2, fluid);
     });
     const float h = static_cast<float>(constants_.kernel.h());
     const float rate = rho * c * c * total(divergence) - 2 * constants_.diffusion * h * c * total(diffusion);
     const float p = own.p + constants_.dt * rate;
     // Spray bears no tension, and a lone drop no pressure; particles would bind to molecules otherwise.
-    const bool spray = total(fullness) < kSpray * Dim;
+    const float water = total(fluid), room = std::max(Dim - (total(fullness) - water), kLeastRoom * Dim);
+    const bool spray = total(fullness) < kSpray * Dim || water < kSprayAtWall * room;
     return (spray && p < 0) || items_.lists.count[item] == 0 ? 0.f : p;
   }
 
@@ -285,8 +287,9 @@ class Pairs {
   }
 
   // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
-  // spray. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
-  static constexpr float kSpray = 0.5f;
+  // spray, and below a fifth of the room that solids leave: a pair of drops on a wall, whose samples fill half of what
+  // is around. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
+  static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f;
   static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
 
   template <class Body>

@@ -61,7 +61,8 @@ struct SampleSums {
 /// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of
 /// every particle by continuity and density diffusion over dt: `new_pressure`, per particle.
 ///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
-/// In spray, where -sum V_j r.g r falls below half of the dimension, tension is let go: p >= 0.
+/// In spray, where -sum V_j r.g r falls below half of the dimension, or the fluid's part of it below a fifth of what
+/// solids leave, tension is let go: p >= 0.
 void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                                       std::vector<float>& new_pressure);
 

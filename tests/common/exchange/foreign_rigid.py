@@ -33,7 +33,7 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 5, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 6, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
         self.parts = [self.get("QQ", 128 + 16 * i) for i in range(17)]
@@ -85,7 +85,7 @@ def main(name):
     seg = Segment(name)
     gravity = seg.get("3d", seg.parts[0][0])
     bodies = []
-    for at in range(seg.parts[1][0], seg.parts[1][0] + seg.parts[1][1], 360):
+    for at in range(seg.parts[1][0], seg.parts[1][0] + seg.parts[1][1], 368):
         mass, = seg.get("d", at + 64)
         bodies.append((mass, list(seg.get("13d", at + 120))))
     n = len(bodies)
