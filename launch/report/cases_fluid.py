@@ -115,7 +115,7 @@ def mean_speed(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
 TAYLOR_GREEN = Case(
     id="F2",
     title="Taylor-Green vortices",
-    why="the lattice of particles tears at the saddle points of the flow, as nothing moves particles back to even distances; the gaps take the energy",
+    why="implicit: the lattice of particles tears at the saddle points of the flow and the gaps take the energy; particle shifting, which mends that for the explicit solver (25 % without), does not keep up with its steps",
     scene="report/taylor_green",
     about="Four vortices in a periodic square of 1 m, 1 m/s, Reynolds number 100, from a square lattice, for 2 s.",
     source="speed fades with exp(-8 pi^2 nu t)",
@@ -205,7 +205,7 @@ def amplitude_lost(run: Outcome) -> float:
 STANDING_WAVE = Case(
     id="F4",
     title="Standing wave",
-    why="artificial viscosity: without it 26 instead of 40 % of the amplitude is lost at 4 cm, where the wave is little more than two spacings high",
+    why="implicit: 29 % lost at 2 cm in steps ten times as long; why was not looked into",
     scene="report/standing_wave",
     about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of the "
     "height of its middle is lost from the first extreme to the ninth, four periods later.",

@@ -17,6 +17,7 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
+    why="a sphere 3 to 6 spacings wide has 16 to 30 % too little drag, as B8 shows by itself; without particle shifting (errors 9, 12, 11, 13 %) the torn wake made up for it",
     title="Settling sphere",
     scene="report/settling_sphere",
     about="A sphere of 15 mm and 1120 kg/m^3 settles in silicone oil in a box of 100 x 100 x 160 mm, full to the top; its largest speed over that in an endless "

@@ -50,6 +50,7 @@ def spring(ratio: float) -> Variant:
 
 SPRING = Case(
     id="B3",
+    why="the layer that viscosity moves, 5.6 mm, is thinner than a spacing: the frequency of the lightest errs by 5.9, 3.6, 1.7 % at 10, 6.7, 5 mm, the decay by 25, 29, 38 % (too fast); implicit: light cylinders shake",
     title="Cylinder on a spring in an annulus",
     scene="report/spring_annulus",
     about="A cylinder of 0.2 m on a spring in a concentric container twice as wide, viscosity 1e-4 m^2/s: added mass and viscous damping "
