@@ -205,7 +205,7 @@ def amplitude_lost(run: Outcome) -> float:
 STANDING_WAVE = Case(
     id="F4",
     title="Standing wave",
-    why="implicit: 29 % lost at 2 cm in steps ten times as long; why was not looked into",
+    why="implicit: 22 % lost at 2 cm, in steps ten times as long",
     scene="report/standing_wave",
     about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of the "
     "height of its middle is lost from the first extreme to the ninth, four periods later.",
