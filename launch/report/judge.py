@@ -38,8 +38,9 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         outcome = Outcome(place.run_folder(job), job.h, job.variant, references)
         row |= _figures(outcome)
         row["curve"] = _curve(job.case, outcome)
+    stopped_as_wanted = job.case.to_the_limit and note["status"] == "diverged"
     for measure in job.case.measures:
-        target = measure.target(job.level)
+        target = None if stopped_as_wanted else measure.target(job.level)
         value, remark, verdict = None, "", None
         try:
             if outcome:

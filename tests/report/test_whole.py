@@ -98,6 +98,9 @@ class Report(unittest.TestCase):
         note = {"status": "diverged", "message": "why", "wall_s": None, "walls": [], "started": "", "load": 0}
         row = judge(Place(TREE, self.out, self.out), Job(case, Variant(), "ode", "10s", 0.002), note, [])
         self.assertEqual((row["status"], row["measures"][0]["verdict"]), ("diverged", "missed"))
+        beyond = Case(**{**vars(case), "stability": True, "to_the_limit": True})
+        row = judge(Place(TREE, self.out, self.out), Job(beyond, Variant(), "ode", "10s", 0.002), note, [])
+        self.assertEqual(row["measures"][0]["verdict"], "no target", "a clean stop beyond the limit is what is wanted")
 
     def test_words_behind_the_methods_are_cases(self):
         done = self.report("--methods", "ode", CHEAP[0], "--out", "a")
