@@ -28,4 +28,21 @@ inline Model box_body(const std::string& name, const Vec3& size, double density,
   return m;
 }
 
+/// Taylor-Green vortices of 1 m/s in a periodic square of 1 m, 32 particles along it; viscosity in Pa s.
+inline Scene vortices(float viscosity) {
+  Scene scene;
+  scene.world.dimension = 2;
+  scene.world.spacing = 1.0 / 32;
+  scene.world.gravity = Vec3::Zero();
+  scene.world.periodic = {true, false, true};
+  scene.world.domain = Box3{{0, -1, 0}, {1, 1, 1}};
+  scene.numerics.artificial_viscosity = 0;
+  Fluid water;
+  water.viscosity = viscosity;
+  water.vortex_speed = 1;
+  water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
+  scene.fluids.push_back(water);
+  return scene;
+}
+
 }  // namespace ballast::fluid
