@@ -12,19 +12,22 @@ bool MonitorFrames::wanted(const exchange::Segment& segment) {
          segment.wants(FrameKind::kParticles);
 }
 
-MonitorFrames::MonitorFrames(const exchange::Segment& segment, const Scene& scene, const WcsphFluid& fluid)
+MonitorFrames::MonitorFrames(const exchange::Segment& segment, const Scene& scene, WcsphFluid& fluid)
     : fluid_(fluid),
       contacts_(segment.wants(FrameKind::kContacts)),
       most_particles_(segment.wants(FrameKind::kParticles) ? static_cast<std::size_t>(scene.output.lcm_particles) : 0) {
 }
 
-void MonitorFrames::offer(exchange::Link& link, std::uint64_t step, double time, Limit limit,
-                          const Measures& measures) {
+void MonitorFrames::offer(exchange::Link& link, std::uint64_t step, double time, Limit limit, const Measures& measures,
+                          std::span<const exchange::BodyState> before) {
   const auto now = Clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(50);
   offer_statistics(link, step, time, limit, measures);
-  if (contacts_) link.offer(FrameKind::kContacts, step, time, std::as_bytes(fluid_.contacts()));
+  if (contacts_) {
+    const auto contacts = before.empty() ? std::span<const exchange::Contact>{} : fluid_.gather_contacts(before);
+    link.offer(FrameKind::kContacts, step, time, std::as_bytes(contacts));
+  }
   if (most_particles_ > 0) offer_particles(link, step, time);
 }
 

@@ -310,7 +310,7 @@ class Server {
     last_row_ = number;
     last_row_time_ = time_;
     if (auto s = report_.write_frame(states_, time_); !s) return s;
-    if (monitor_) monitor_->offer(link_, step_, time_, last_limit_, report_.measured());
+    if (monitor_) monitor_->offer(link_, step_, time_, last_limit_, report_.measured(), states_before_);
     const auto values = read_probes(scene_, *fluid_, states_);
     return values.empty() ? ok() : link_.frame(exchange::FrameKind::kProbes, step_, time_, values);
   }

@@ -103,7 +103,7 @@ int plan(const std::string& scene, const Overrides& overrides) {
   if (p.scene.output.picture) fmt::print("  picture.png: the last state\n");
   if (p.scene.output.lcm) {
     fmt::print("  over LCM: status, warnings{}{}{}{}\n", p.rigid ? ", bodies" : "", p.fluid ? ", fluid" : "",
-               p.fluid && p.rigid ? (p.contact_sets ? ", wrenches, contacts" : ", wrenches") : "",
+               p.fluid && p.rigid ? (p.contacts_shown ? ", wrenches, contacts" : ", wrenches") : "",
                p.fluid && p.scene.output.lcm_particles > 0
                    ? fmt::format(", at most {} particles a frame", p.scene.output.lcm_particles)
                    : "");

@@ -345,7 +345,7 @@ class Driver {
       const json& report = role == Role::kFluid ? outcome_.fluid : outcome_.rigid;
       messages = fmt::format("the {} ended with exit code {}", exchange::role_name(role), code);
       for (const char* key : {"failure", "error"}) {
-        if (report.contains(key) && report[key].is_string()) messages = report[key].get<std::string>();
+        if (report.contains(key) && report[key].is_string()) messages = in_the_file(prepared_, report[key]);
       }
     }
     if (worst != kFine && outcome_.exit == kFine) fail(worst, messages);

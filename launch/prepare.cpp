@@ -47,12 +47,13 @@ std::vector<LeftOut> find_left_out(const Prepared& prepared) {
   }
   if (fluid) find_left_out_of_fluid(prepared, out);
   if (fluid && rigid && !prepared.contact_sets) {
-    out.push_back(
-        {kContactSets,
-         scene.coupling.contact_sets == When::kNever ? "coupling.contact_sets is never"
-                                                     : "nobody reads them: output.lcm is false (--lcm), and "
-                                                       "engines take wrenches (coupling.contact_sets: always)",
-         "a pass over the wetted samples of every step, and a ring for it", "none: wrenches are exact without them"});
+    out.push_back({kContactSets,
+                   scene.coupling.contact_sets == When::kNever ? "coupling.contact_sets is never"
+                   : prepared.contacts_shown ? "only messages show them: assembled when one is due, not in every step"
+                                             : "nobody reads them: output.lcm is false (--lcm), and "
+                                               "engines take wrenches (coupling.contact_sets: always)",
+                   "a pass over the wetted samples of every step, and a ring for it",
+                   "none: wrenches are exact without them"});
   }
   if (std::ranges::any_of(scene.fluids, [](const Fluid& f) { return f.surface_tension > 0; })) {
     out.push_back({"surface tension", "the fluid has no such term yet: fluids.*.surface_tension is not used",
@@ -76,22 +77,6 @@ std::vector<LeftOut> find_left_out(const Prepared& prepared) {
   return out;
 }
 
-/// Is the point of the world inside the fluid's fill?
-bool in_fill(const Fluid& fluid, const Prepared& p, const Solid* mesh, std::size_t container, const Vec3& x) {
-  switch (fluid.fill.kind) {
-    case FillKind::kBox:
-      return true;  // the samples are drawn inside the box
-    case FillKind::kMesh:
-      return mesh->distance(fluid.fill.pose.rotation.conjugate() * (x - fluid.fill.pose.position)) < 0;
-    case FillKind::kLevel: {
-      const Pose& pose = p.bodies[container].pose;
-      return x.z() < fluid.fill.level &&
-             p.bodies[container].solid.room_distance(pose.rotation.conjugate() * (x - pose.position)) < 0;
-    }
-  }
-  return false;
-}
-
 /// World box around a posed local box.
 Box3 posed(const Box3& local, const Pose& pose) {
   Eigen::AlignedBox3d box;
@@ -103,11 +88,16 @@ Box3 posed(const Box3& local, const Pose& pose) {
   return {box.min(), box.max()};
 }
 
+// Spacings that one fill may reach into another: faces that ought to be the same. What samples miss, the fluid process
+// finds.
+constexpr double kShared = 0.2;
+
 /// What a sampling of a fill finds.
 struct Sampled {
   double volume = 0;                  ///< less the bodies in it, m^3
   double spilled = 0;                 ///< share of it that no container holds, where there are containers
   std::optional<Vec3> out_of_domain;  ///< a place of it that world.domain does not have
+  std::optional<std::pair<std::string, Vec3>> shared;  ///< an earlier fluid, and a place that both would fill
 };
 
 /// Is the point in the room of a container that stays where it is, or is there none?
@@ -137,25 +127,47 @@ Result<Solid> mesh_of(const Fluid& fluid, const World& world) {
   return Solid::make(shape, world.dimension, world.spacing, false);
 }
 
-Sampled sample_fill(const Fluid& fluid, const Prepared& p) {
-  const bool flat = p.scene.world.dimension == 2;
-  std::size_t container = 0;
-  Box3 box = fluid.fill.box;
-  std::optional<Solid> mesh;
-  if (fluid.fill.kind == FillKind::kMesh) {
-    auto made = mesh_of(fluid, p.scene.world);
-    if (!made) return {};  // check_shape has refused it
-    mesh.emplace(std::move(*made));
-    box = posed(mesh->bounds(), fluid.fill.pose);
-  } else if (fluid.fill.kind == FillKind::kLevel) {
-    const auto found = std::ranges::find(p.scene.models, fluid.fill.container, &Model::name);
-    if (found == p.scene.models.end()) return {};
-    container = static_cast<std::size_t>(found - p.scene.models.begin());
-    box = posed(p.bodies[container].solid.bounds(), p.bodies[container].pose);
-    box.max.z() = std::min(box.max.z(), fluid.fill.level);
+/// The room that a fluid asks for; check_shape has accepted its shape.
+class FillRoom {
+ public:
+  FillRoom(const Fluid& fluid, const Prepared& p) : fluid_(&fluid) {
+    box_ = fluid.fill.box;
+    if (fluid.fill.kind == FillKind::kBox) {
+      if (p.scene.world.dimension == 2) box_.min.y() = -1e300, box_.max.y() = 1e300;
+    } else if (fluid.fill.kind == FillKind::kMesh) {
+      mesh_.emplace(*mesh_of(fluid, p.scene.world));
+      box_ = posed(mesh_->bounds(), fluid.fill.pose);
+    } else {
+      const auto found = std::ranges::find(p.scene.models, fluid.fill.container, &Model::name);
+      if (found == p.scene.models.end()) return;  // an empty room, which is refused
+      container_ = &p.bodies[static_cast<std::size_t>(found - p.scene.models.begin())];
+      box_ = posed(container_->solid.bounds(), container_->pose);
+      box_.max.z() = std::min(box_.max.z(), fluid.fill.level);
+    }
   }
-  Vec3 size = box.max - box.min;
-  if (flat) size.y() = 1;
+  const std::string& fluid() const { return fluid_->name; }
+  const Box3& bounds() const { return box_; }
+  /// Of a point of the world, m, negative inside; only its sign and the depth inside are exact.
+  double distance(const Vec3& x) const {
+    const double to_box = (box_.min - x).cwiseMax(x - box_.max).maxCoeff();
+    if (mesh_) return mesh_->distance(fluid_->fill.pose.rotation.conjugate() * (x - fluid_->fill.pose.position));
+    if (!container_) return to_box;
+    const Pose& pose = container_->pose;
+    return std::max(to_box, container_->solid.room_distance(pose.rotation.conjugate() * (x - pose.position)));
+  }
+
+ private:
+  const Fluid* fluid_;
+  std::optional<Solid> mesh_;
+  const Body* container_ = nullptr;
+  Box3 box_;
+};
+
+Sampled sample_fill(const FillRoom& room, const std::vector<FillRoom>& earlier, const Prepared& p) {
+  const bool flat = p.scene.world.dimension == 2;
+  const Box3& box = room.bounds();
+  Vec3 low = box.min, size = box.max - box.min;
+  if (flat) low.y() = -0.5, size.y() = 1;
   if (size.minCoeff() <= 0) return {};
   const double step = flat ? std::sqrt(size.x() * size.z() / 60000) : std::cbrt(size.prod() / 60000);
   const auto cells = [&](double edge) { return std::max(1, static_cast<int>(std::lround(edge / step))); };
@@ -164,9 +176,8 @@ Sampled sample_fill(const Fluid& fluid, const Prepared& p) {
   Sampled out;
   for (int i = 0; i < nx * ny * nz; ++i) {
     const Vec3 at((i % nx + 0.5) / nx, (i / nx % ny + 0.5) / ny, (i / nx / ny + 0.5) / nz);
-    Vec3 x = box.min + at.cwiseProduct(size);
-    if (flat) x.y() = 0;
-    if (!in_fill(fluid, p, mesh ? &*mesh : nullptr, container, x)) continue;
+    const Vec3 x = low + at.cwiseProduct(size);
+    if (room.distance(x) >= 0) continue;
     const bool in_body = std::ranges::any_of(p.bodies, [&](const Body& body) {
       return body.solid.distance(body.pose.rotation.conjugate() * (x - body.pose.position)) < 0;
     });
@@ -174,6 +185,8 @@ Sampled sample_fill(const Fluid& fluid, const Prepared& p) {
     ++inside;
     if (!is_held(p, x)) ++spilled;
     if (!in_domain(p.scene.world, x)) out.out_of_domain = x;
+    for (const FillRoom& other : earlier)
+      if (other.distance(x) < -kShared * p.scene.world.spacing) out.shared = {other.fluid(), x};
   }
   out.volume = size.prod() * static_cast<double>(inside) / (static_cast<double>(nx) * ny * nz);
   out.spilled = inside > 0 ? static_cast<double>(spilled) / static_cast<double>(inside) : 0;
@@ -223,28 +236,23 @@ Status check_fill(const Fluid& fluid, const Sampled& fill, const World& world) {
   return ok();
 }
 
-/// A place that a fluid shares with one before it; fills by meshes are compared by the fluid process.
-std::optional<Vec3> shared_place(const Fluid& fluid, const Fluid& other, const Prepared& p) {
-  if (fluid.fill.kind != FillKind::kBox || other.fill.kind != FillKind::kBox) return std::nullopt;
-  Vec3 low = fluid.fill.box.min.cwiseMax(other.fill.box.min), high = fluid.fill.box.max.cwiseMin(other.fill.box.max);
-  if (p.scene.world.dimension == 2) low.y() = 0, high.y() = 1;
-  if ((high - low).minCoeff() <= 0.4 * p.scene.world.spacing) return std::nullopt;
-  return Vec3(0.5 * (low + high));
-}
-
 /// Refuses what check_fill does, and more particles than the machine can hold; warns of fluid that nothing holds.
 Status check_fluids(Prepared& prepared, const std::string& scene_file) {
   const World& world = prepared.scene.world;
   double particles = 0;
+  std::vector<FillRoom> rooms;
   for (const Fluid& fluid : prepared.scene.fluids) {
     if (Status s = check_shape(fluid, prepared); !s) return s;
-    const Sampled fill = sample_fill(fluid, prepared);
+    FillRoom room(fluid, prepared);
+    const Sampled fill = sample_fill(room, rooms, prepared);
     if (Status s = check_fill(fluid, fill, world); !s) return s;
-    for (const Fluid* other = prepared.scene.fluids.data(); other != &fluid; ++other)
-      if (const auto x = shared_place(fluid, *other, prepared))
-        return Error{fmt::format("the fills of '{}' and '{}' overlap, at ({:.3g}, {:.3g}, {:.3g}) m", other->name,
-                                 fluid.name, x->x(), x->y(), x->z()),
-                     "move or shrink one of them: each place holds one fluid", where(fluid.place)};
+    if (fill.shared) {
+      const auto& [other, x] = *fill.shared;
+      return Error{fmt::format("the fills of '{}' and '{}' overlap, at ({:.3g}, {:.3g}, {:.3g}) m", other, fluid.name,
+                               x.x(), x.y(), x.z()),
+                   "move or shrink one of them: each place holds one fluid", where(fluid.place)};
+    }
+    rooms.push_back(std::move(room));
     if (fill.spilled > 0)
       prepared.warnings.push_back(fmt::format(
           "{}: about {:.2g} % of the fluid '{}' starts outside every container: it falls or flows away, and "
@@ -299,7 +307,8 @@ Status check_borders(Prepared& prepared) {
 
 double estimate_particles(const Prepared& prepared) {
   double volume = 0;
-  for (const Fluid& fluid : prepared.scene.fluids) volume += sample_fill(fluid, prepared).volume;
+  for (const Fluid& fluid : prepared.scene.fluids)
+    volume += sample_fill(FillRoom(fluid, prepared), {}, prepared).volume;
   return volume / std::pow(prepared.scene.world.spacing, prepared.scene.world.dimension);
 }
 
@@ -325,10 +334,17 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();
   out.oddities = odd_bodies(out);
   const When wanted = out.scene.coupling.contact_sets;
-  out.contact_sets =
-      out.fluid && out.rigid && (wanted == When::kAlways || (wanted == When::kAuto && out.scene.output.lcm));
+  out.contact_sets = out.fluid && out.rigid && wanted == When::kAlways;
+  out.contacts_shown = out.fluid && out.rigid && wanted != When::kNever && out.scene.output.lcm;
   out.left_out = find_left_out(out);
   return out;
+}
+
+std::string in_the_file(const Prepared& prepared, const std::string& message) {
+  for (const Fluid& fluid : prepared.scene.fluids)
+    if (const std::string path = "fluids." + fluid.name + ": "; message.starts_with(path))
+      return fmt::format("{}: {}", where(fluid.place), message.substr(path.size()));
+  return message;
 }
 
 void expect_foreign_engine(Prepared& prepared) {

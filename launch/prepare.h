@@ -36,8 +36,13 @@ struct Prepared {
   Choices choices = {};                    ///< why the scene's `auto` became what it is now
   std::vector<std::string> warnings = {};  ///< what a look at the scene foretells; the processes warn of it themselves
   std::vector<std::string> oddities = {};  ///< the same of what no process warns of
-  bool contact_sets = false;               ///< they are wanted, and somebody reads them
+  bool contact_sets = false;               ///< go to the engine with every step
+  bool contacts_shown = false;             ///< are assembled whenever a message with them is due
 };
+
+/// A message of the fluid process that begins with a fluid's path, by the fluid's place in the file instead: the
+/// processes do not know it.
+std::string in_the_file(const Prepared& prepared, const std::string& message);
 
 /// A rigid process that somebody starts by hand may be any: it is taken to read contact sets.
 void expect_foreign_engine(Prepared& prepared);

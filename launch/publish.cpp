@@ -128,7 +128,7 @@ std::uint32_t Publisher::frames_wanted(const Prepared& prepared) {
   if (!prepared.fluid) return 0;
   const Scene& scene = prepared.scene;
   std::uint32_t bits = exchange::monitor_bit(FrameKind::kFluid);
-  if (prepared.contact_sets) bits |= exchange::monitor_bit(FrameKind::kContacts);
+  if (prepared.contacts_shown) bits |= exchange::monitor_bit(FrameKind::kContacts);
   if (scene.output.lcm_particles > 0) bits |= exchange::monitor_bit(FrameKind::kParticles);
   return bits;
 }

@@ -44,11 +44,12 @@ std::optional<double> bytes_of(const std::string& what, const Scene& scene, cons
 
 json asleep(const json& sleep) {
   const double seconds = sleep["asleep_s"].get<double>();
+  const std::string looking = fmt::format("; looking for rest took {:.2g} s", sleep["watched_s"].get<double>());
   json out{
       {"what", "steps asleep"},
       {"why", fmt::format("nothing was faster than {:g} m/s for {:g} s", sleep["speed"].get<double>(),
                           sleep["after"].get<double>())},
-      {"saved", fmt::format("the fluid's and the engine's work on {:.4g} s of simulated time", seconds)},
+      {"saved", fmt::format("the fluid's and the engine's work on {:.4g} s of simulated time{}", seconds, looking)},
       {"difference",
        fmt::format(
            "{:.2g} m at most (bound: what stays slower than that), {:.2g} m at the speed with which it fell asleep",
@@ -58,7 +59,7 @@ json asleep(const json& sleep) {
   if (seconds > 0) return out;
   const json because = get(sleep, "awake_because");
   out["why"] = "not left out: " + (because.is_string() ? because.get<std::string>() : "it never came to rest");
-  out["saved"] = "nothing";
+  out["saved"] = "nothing" + looking;
   out["difference"] = "none";
   out["saved_s"] = 0;
   return out;

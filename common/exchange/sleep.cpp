@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "common/intervals.h"
@@ -42,6 +43,18 @@ double reach_of(const ShapeRecord& shape, const ManifestView& manifest) {
   return norm(shape.position) + own;
 }
 
+/// Adds the time until its end to `total`, s.
+class Watch {
+ public:
+  explicit Watch(double& total) : total_(total) {}
+  ~Watch() { total_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& total_;
+  Clock::time_point start_ = Clock::now();
+};
+
 }  // namespace
 
 Sleep::Sleep(const ManifestView& manifest)
@@ -64,6 +77,7 @@ Sleep::Sleep(const ManifestView& manifest)
 }
 
 double Sleep::until(double time) const {
+  const Watch watch(watched_);
   // The negation: a speed that is not a number is not slow.
   if (!possible() || !(fastest_ < speed_) || time < pushed_until_ || time - quiet_since_ < after_) return time;
   double end = std::numeric_limits<double>::infinity();
@@ -79,6 +93,7 @@ double Sleep::until(double time) const {
 }
 
 void Sleep::computed(double time, std::span<const BodyState> states, double others) {
+  const Watch watch(watched_);
   if (!possible()) return;
   asleep_ = false;
   fastest_ = others;

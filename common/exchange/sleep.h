@@ -49,6 +49,8 @@ class Sleep {
   /// Wall time that the steps slept through would have taken at the mean pace of those computed, less what they took,
   /// s; in a resumed run since it was resumed.
   double saved() const;
+  /// Wall time that looking for rest took, s; since resumed, too.
+  double watched() const { return watched_; }
 
   /// For checkpoints (common/checkpoint/state.h).
   template <class A>
@@ -72,6 +74,7 @@ class Sleep {
   std::vector<Nap> naps_;
   std::uint64_t steps_ = 0;
   double computed_wall_ = 0, computed_time_ = 0, slept_wall_ = 0, slept_time_ = 0;  // s
+  mutable double watched_ = 0;  // s; measured, and nothing hangs on it
 };
 
 }  // namespace ballast::exchange

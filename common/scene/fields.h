@@ -245,7 +245,7 @@ void visit(V& v, Coupling& c) {
   v({"substeps", kNone, "engine steps per exchange", {1, 100000}}, c.substeps);
   v({"rigid_step", kTime, "step of the engine where no fluid sets it", kPositive}, c.rigid_step);
   v({"contact_sets", kNone,
-     "send where each body touches the fluid beside its wrench; auto: where somebody reads it (output.lcm, --by-hand)"},
+     "to the engine, where each body touches the fluid; never: nor in messages; auto: to engines started by hand"},
     c.contact_sets);
 }
 

@@ -167,7 +167,7 @@ struct Coupling {
   int most_iterations = 20;         ///< iterated: exchanges in a step
   int substeps = 1;                 ///< engine steps per exchange
   double rigid_step = 1e-3;         ///< s, step of the engine where no fluid sets it
-  When contact_sets = When::kAuto;  ///< send where each body touches the fluid beside its wrench
+  When contact_sets = When::kAuto;  ///< with the wrenches, where each body touches the fluid
 };
 
 enum class Pressure { kAuto, kWcsph, kImplicit };

@@ -9,11 +9,10 @@ namespace ballast::fluid {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, bool contacts,
-                   double spacing, int threads)
+Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, double spacing,
+                   int threads)
     : samples_(samples),
       threads_(threads),
-      want_contacts_(contacts),
       spacing_(spacing),
       buoyancy_(std::move(buoyancy)),
       films_(std::move(films)) {
@@ -24,7 +23,6 @@ Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::uniq
   wrenches_.resize(bodies);
   acceleration_.resize(bodies);
   spin_.resize(bodies);
-  patches_.resize(contacts ? samples.patch_body.size() : 0);
   constexpr std::uint32_t kChunk = 1024;
   for (std::uint32_t b = 0; b < bodies; ++b)
     for (std::uint32_t k = samples.first[b]; k < samples.first[b + 1]; k += kChunk)
@@ -244,9 +242,8 @@ void Response::push(std::uint32_t sample, const Vec3& arm, const Vec3& force) {
   final_force_[sample] += force.cast<float>();
 }
 
-void Response::gather_contacts(std::span<const exchange::BodyState> states) {
-  if (!want_contacts_) return;
-  for (auto& patch : patches_) patch = {};
+std::span<const exchange::Contact> Response::gather_contacts(std::span<const exchange::BodyState> states) {
+  patches_.assign(samples_.patch_body.size(), {});
   for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {
     if (wet_stamp_[sample] != stamp_) continue;
     const Wet& wet = wet_[sample];
@@ -271,6 +268,7 @@ void Response::gather_contacts(std::span<const exchange::BodyState> states) {
     Vec3::Map(patch.normal).normalize();
     contacts_.push_back(patch);
   }
+  return contacts_;
 }
 
 }  // namespace ballast::fluid

@@ -28,8 +28,8 @@ class Response {
  public:
   /// `buoyancy`: a force per body beside that of the samples, N, through the centre of mass (numerics.reduced_gravity).
   /// `films`: null where no body can move freely.
-  Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, bool contacts,
-           double spacing, int threads);
+  Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, double spacing,
+           int threads);
 
   /// From the sums of the wet samples: extrapolated pressure of each into items.record (Adami, Hu and Adams 2012)
   ///   p_b = [sum V_k W p_k + (G - a_b) . sum V_k W rho_k (x_b - x_k)] / sum V_k W,
@@ -60,8 +60,8 @@ class Response {
   void accelerate_body(Neighbourhood& items, std::uint32_t body, const Eigen::Matrix<double, 6, 1>& change);
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
-  /// Where the fluid touches each moving body, if the scene asks for it: once all forces are known.
-  void gather_contacts(std::span<const exchange::BodyState> states);
+  /// Where the fluid touches each moving body: once all forces are known. `states`: those of the last solve().
+  std::span<const exchange::Contact> gather_contacts(std::span<const exchange::BodyState> states);
 
   Seepage* films() const { return films_.get(); }  ///< null where no body can move freely
 
@@ -74,7 +74,6 @@ class Response {
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
   /// Where the fluid touches each moving body, wet patches only.
-  std::span<const exchange::Contact> contacts() const { return contacts_; }
   std::size_t memory() const;  ///< bytes of all its arrays
   /// Acceleration that the extrapolation used, per body: linear, angular.
   std::span<const Eigen::Matrix<double, 6, 1>> accelerations() const { return acceleration_; }
@@ -116,13 +115,12 @@ class Response {
   const Samples& samples_;
   std::vector<Chunk> chunks_;
   int threads_;
-  bool want_contacts_;
   double spacing_;
   std::vector<Vec3> buoyancy_;
   std::unique_ptr<Seepage> films_;
   std::vector<Wet> wet_;                  // by sample
   std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
-  std::uint32_t stamp_ = 0;
+  std::uint32_t stamp_ = 1;
   Scheme scheme_ = Scheme::kInterlinked;      // of the last solve
   std::vector<Eigen::Vector3f> final_force_;  // by sample
   std::vector<std::uint32_t> wet_sample_;     // samples wet now, in item order

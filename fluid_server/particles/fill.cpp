@@ -28,8 +28,7 @@ double box_distance(const Box3& box, const Vec3& p, int dimension) {
 }
 
 Error fill_error(const Fluid& fluid, std::string what, std::string cure) {
-  return {std::move(what), std::move(cure),
-          fmt::format("{}:{}:{}", fluid.place.file, fluid.place.line, fluid.place.column)};
+  return {std::move(what), std::move(cure), "fluids." + fluid.name};  // the coordinator knows its line in the scene
 }
 
 Result<Region> level_region(const Scene& scene, const std::vector<Body>& bodies, const Fluid& fluid) {
@@ -296,25 +295,25 @@ class Grid {
   std::unordered_map<std::int64_t, std::vector<Fixed3>> at_;
 };
 
-/// Fluids that touch hold each other: no ghost may stand where the other one's particles are. Fluids that overlap are
-/// refused.
-Status settle_neighbours(const Scene& scene, const Coordinates& coordinates, Filled& filled) {
+/// Fluids that touch hold each other: no ghost may stand where the other one's particles are.
+void settle_neighbours(const Scene& scene, const Coordinates& coordinates, Filled& filled) {
   const double d = scene.world.spacing;
   const Grid grid(filled.particles, coordinates, d);
-  for (std::size_t k = 1; k < filled.fluids.size(); ++k) {
-    const FluidProperties& fluid = filled.fluids[k];
-    for (std::uint32_t f = fluid.first_id; f < fluid.first_id + fluid.count; ++f) {
-      const Record& r = filled.particles.record[f];
-      const Vec3 p = coordinates.to_metres(r.x, r.y, r.z);
-      if (grid.near(p, 0.4 * d) > 1)
-        return fill_error(scene.fluids[k],
-                          fmt::format("the fill of '{}' overlaps that of another fluid at ({:.3g}, {:.3g}, {:.3g}) m",
-                                      scene.fluids[k].name, p[0], p[1], p[2]),
-                          "move or shrink one of the fills: each place holds one fluid");
-    }
-  }
   std::erase_if(filled.ghosts,
                 [&](const Record& r) { return grid.near(coordinates.to_metres(r.x, r.y, r.z), 0.75 * d) > 0; });
+}
+
+/// Refuses a fill that reaches into that of an earlier fluid.
+Status check_overlap(const Scene& scene, const Fluid& fluid, const std::vector<Vec3>& sites,
+                     const std::vector<Region>& earlier) {
+  const double inside = -0.05 * scene.world.spacing;  // meshes are not exact
+  for (std::size_t k = 0; k < earlier.size(); ++k)
+    for (const Vec3& p : sites)
+      if (earlier[k].distance(p) < inside)
+        return fill_error(fluid,
+                          fmt::format("the fill of '{}' overlaps that of '{}' at ({:.3g}, {:.3g}, {:.3g}) m",
+                                      fluid.name, scene.fluids[k].name, p[0], p[1], p[2]),
+                          "move or shrink one of the fills: each place holds one fluid");
   return ok();
 }
 
@@ -324,9 +323,10 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
                            double support) {
   Filled filled;
   const Obstacles obstacles(scene, bodies, 2 * support);
+  std::vector<std::optional<Solid>> meshes(scene.fluids.size());
+  std::vector<Region> regions;
   for (const Fluid& fluid : scene.fluids) {
-    std::optional<Solid> mesh;
-    auto region = region_of(scene, bodies, fluid, mesh);
+    auto region = region_of(scene, bodies, fluid, meshes[regions.size()]);
     if (!region) return region.error();
     const FilledOne one = fill_one(*region, obstacles, scene, support);
     if (one.sites.empty())
@@ -334,6 +334,7 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
                         fmt::format("fluid '{}' has no particle: its fill has a volume of {:.3g} m^3 after carving",
                                     fluid.name, one.volume),
                         "make the fill larger, the spacing smaller, or move the bodies out of it");
+    if (Status s = check_overlap(scene, fluid, one.sites, regions); !s) return s.error();
     const double volume = one.volume / static_cast<double>(one.sites.size());
     FluidProperties properties;
     properties.density = static_cast<float>(fluid.density);
@@ -359,9 +360,9 @@ Result<Filled> fill_fluids(const Scene& scene, const std::vector<Body>& bodies, 
     filled.fluids.push_back(properties);
     filled.reports.push_back({fluid.name, one.asked, one.volume, one.asked * fluid.density, one.volume * fluid.density,
                               region->top, one.sites.size()});
+    regions.push_back(*std::move(region));
   }
-  if (filled.fluids.size() > 1)
-    if (auto settled = settle_neighbours(scene, coordinates, filled); !settled) return settled.error();
+  if (filled.fluids.size() > 1) settle_neighbours(scene, coordinates, filled);
   return filled;
 }
 

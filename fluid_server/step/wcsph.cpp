@@ -100,7 +100,7 @@ void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   if (implicit_) implicit_->scale(sums_);
   response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_, Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
-  response_->gather_contacts(states);
+  if (contacts_every_step_) contacts_ = response_->gather_contacts(states);
 }
 
 void WcsphFluid::prepare_extras() {

@@ -77,7 +77,12 @@ class WcsphFluid {
 
   const StepFacts& facts() const { return facts_; }
   std::span<const exchange::Wrench> wrenches() const { return response_->wrenches(); }
-  std::span<const exchange::Contact> contacts() const { return response_->contacts(); }
+  /// Where the fluid touches each body, for the engine; none where it does not want them with every step.
+  std::span<const exchange::Contact> contacts() const { return contacts_; }
+  /// The same for whoever shows them. `states`: those at the beginning of the last step that was computed.
+  std::span<const exchange::Contact> gather_contacts(std::span<const exchange::BodyState> states) {
+    return response_->gather_contacts(states);
+  }
 
   Measures measure() const;
   const Particles& particles() const { return particles_; }
@@ -154,6 +159,8 @@ class WcsphFluid {
   std::unique_ptr<Shifting> shifting_;          // null: particles go where their velocity takes them
   ImplicitOptions implicit_options_;
   StepFacts facts_, facts_before_;
+  bool contacts_every_step_ = false;  // they go to the engine
+  std::span<const exchange::Contact> contacts_;
   bool repeats_ = false;  // again() may be called
   std::vector<float> compression_before_;
   std::vector<exchange::Wrench> films_before_;

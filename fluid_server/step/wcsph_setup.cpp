@@ -153,8 +153,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     films = std::make_unique<Seepage>(scene, *self.samples_, bodies, kernel, gravity, self.filled_.fluids[0].density,
                                       threads);
-  self.response_ = std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films),
-                                              scene.coupling.contact_sets == When::kAlways, self.spacing_, threads);
+  self.response_ =
+      std::make_unique<Response>(*self.samples_, std::move(buoyancy), std::move(films), self.spacing_, threads);
+  self.contacts_every_step_ = scene.coupling.contact_sets == When::kAlways;
   self.barrier_ =
       std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_, scene.numerics.pressure != Pressure::kImplicit);
   if (scene.numerics.pressure == Pressure::kImplicit) {

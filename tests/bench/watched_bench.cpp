@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
   const fs::path out = fs::temp_directory_path() / fmt::format("ballast_watched_bench_{}", getpid());
   constexpr std::size_t kCount = std::size(kVariants);
-  std::vector<double> walls[kCount], processors[kCount];
+  std::vector<double> walls[kCount], processors[kCount], looked;
   std::vector<bool> good(kCount, true);
   std::string hash;
   std::size_t particles = 0;
@@ -143,6 +143,7 @@ int main(int argc, char** argv) {
       if (hash.empty()) hash = done.record["state_hash"];
       const bool sent = kVariants[v].listener == Listener::kNone || done.record["lcm"]["sent"] > 0;
       good[v] = good[v] && heard && sent && done.record["state_hash"] == hash;
+      if (v == kCount - 1) looked.push_back(done.record["sleep"]["watched_s"]);
       walls[v].push_back(done.wall);
       processors[v].push_back(done.processor);
       particles = done.record["particles"]["fluid"];
@@ -158,5 +159,7 @@ int main(int argc, char** argv) {
                       "alone, median of pairs", bench::median(ratios), good[v]});
     }
   }
+  rows.push_back({"looking for rest that is never reached", particles, threads, bench::median(looked), "s",
+                  "the whole run", bench::median(looked) / bench::median(walls[kCount - 1]), true});
   return bench::finish(options, rows, "of the run");
 }

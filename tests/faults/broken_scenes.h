@@ -123,6 +123,7 @@ constexpr Break kBreaks[] = {
     {"FillBelowTheContainer", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { level: { container: tank, z: -3 } }", "less than a particle"},
     {"FillMeshMissing", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { mesh: { file: ^none.obj } }", "none.obj"},
     {"OverlappingFluids", "models:", "  - { name: oil, material: sea_water, fill: { box: { min: [0, 0, 0.3], max: [1, 1, 0.6] } } }\nmodels:", "overlap"},
+    {"FluidInALevelFill", "models:", "  - ^{ name: oil, material: sea_water, fill: { level: { container: tank, z: 0.2 } } }\nmodels:", "overlap"},
     {"OverlappingBodies", "pose: [0.7, 0.7, 0.7]", "pose: [0.35, 0.35, 0.75]", "overlap"},
     {"BodyInTheWall", "pose: [0.3, 0.3, 0.7]", "pose: [0, 0.3, 0.7]", "overlap"},
     {"MeshMissing", "box: [0.2, 0.2, 0.2]", "mesh: { file: ^nowhere.obj }", "nowhere.obj"},

@@ -68,10 +68,12 @@ TEST_F(Savings, OfSleepAreWhatTheFluidMeasured) {
                      {"bound_m", 0.02},
                      {"drift_m", 0.01},
                      {"saved_s", 7.5},
+                     {"watched_s", 0.002},
                      {"naps", json::array({{{"from", 1}, {"to", 5}, {"speed", 0.005}}})}}}};
   look(kWater);
   EXPECT_EQ(row("steps asleep")["saved_s"], 7.5);
   EXPECT_THAT(row("steps asleep")["difference"].get<std::string>(), HasSubstr("0.02 m"));
+  EXPECT_THAT(row("steps asleep")["saved"].get<std::string>(), HasSubstr("looking for rest took 0.002 s"));
   const json record{{"left_out", rows}, {"sleep", outcome.fluid["sleep"]}};
   EXPECT_THAT(savings_lines(record), ::testing::Contains(HasSubstr("7.5 s")));
   EXPECT_THAT(sleep_line(record), HasSubstr("asleep for 4 s of simulated time, from t = 1 s"));
@@ -86,10 +88,12 @@ TEST_F(Savings, OfASleepThatNeverCameSayWhy) {
                      {"bound_m", 0.0},
                      {"drift_m", 0.0},
                      {"saved_s", 0.0},
+                     {"watched_s", 0.003},
                      {"naps", json::array()},
                      {"awake_because", "the motor of joint 'winch' keeps the scene awake"}}}};
   look(kWater);
   EXPECT_THAT(row("steps asleep")["why"].get<std::string>(), HasSubstr("winch"));
+  EXPECT_EQ(row("steps asleep")["saved"], "nothing; looking for rest took 0.003 s");
   EXPECT_THAT(sleep_line({{"sleep", outcome.fluid["sleep"]}}), HasSubstr("never asleep: the motor"));
 }
 

@@ -113,9 +113,9 @@ TEST(Publisher, NamesTheUrlThatCannotBeOpened) {
 
 TEST(Publisher, WantsFramesOnlyOfWhatThereIsAndIsAskedFor) {
   launch::Prepared run = prepared_scene();
-  run.contact_sets = true;
+  run.contacts_shown = true;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b1110000u);  // fluid, contacts, particles: kinds 4, 5, 6
-  run.contact_sets = false;
+  run.contacts_shown = false;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b1010000u);
   run.scene.output.lcm_particles = 0;
   EXPECT_EQ(Publisher::frames_wanted(run), 0b0010000u);
