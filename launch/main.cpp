@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/scene/nearest.h"
+#include "common/scene/unit.h"
 #include "launch/bench.h"
 #include "launch/children.h"
 #include "launch/commands.h"
@@ -92,6 +93,14 @@ struct SceneArguments {
 /// More threads than this are a slip of the hand: a few per core already gain nothing.
 int most_threads() { return std::max(64, 4 * static_cast<int>(std::thread::hardware_concurrency())); }
 
+/// Turns a time as in a scene, with or without its unit, into a number of seconds; returns what is wrong with it.
+std::string to_seconds(std::string& text) {
+  const auto time = scene::parse_measure(text, scene::kTime, 0);
+  if (!time) return time.error().what;
+  text = fmt::format("{}", time->value);
+  return "";
+}
+
 /// Options of `run`.
 struct RunArguments {
   launch::RunOptions options;
@@ -104,7 +113,8 @@ struct RunArguments {
     run.add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
     run.add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
         ->check(CLI::Range(1, most_threads()));
-    run.add_option("--timeout", options.timeout, "seconds without a sign of life before a process counts as hung")
+    run.add_option("--timeout", options.timeout, "time without a sign of life before a process counts as hung, e.g. 5s")
+        ->transform(CLI::Validator(to_seconds, ""))
         ->check(CLI::Range(0.2, 1e6))
         ->capture_default_str();
     run.add_option("--references", options.references, "folder with reference curves")->type_name("DIR");

@@ -329,6 +329,11 @@ Result<Prepared> prepare(Scene scene, const std::string& scene_file) {
     return Error{"there is nothing to simulate: no fluid and no model that moves",
                  "add a fluid or a model that is not static", scene_file};
   }
+  if (out.scene.coupling.engine == "free_body" && !out.scene.joints.empty()) {
+    const Joint& joint = out.scene.joints[0];
+    return Error{fmt::format("engine free_body has no joints, but joint '{}' is in the scene", joint.name),
+                 "use coupling.engine: ode, or remove the joint", where(joint.place)};
+  }
   if (auto checked = check_borders(out); !checked) return checked.error();
   if (auto checked = check_fluids(out, scene_file); !checked) return checked.error();
   if (auto checked = check_probes(out.scene, out.bodies); !checked) return checked.error();

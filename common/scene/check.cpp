@@ -217,6 +217,12 @@ class Checker {
       fail(joint.place, {"limits"},
            fmt::format("the lower limit {} is not below the upper limit {}", *joint.lower, *joint.upper),
            "Let lower be below upper.");
+    } else if (joint.lower.value_or(0) > 0 || joint.upper.value_or(0) < 0) {
+      fail(joint.place, {"limits"},
+           fmt::format("the limits of joint '{}', which are relative to the start, leave the start itself out ({} {})",
+                       joint.name, joint.lower.value_or(0) > 0 ? "lower:" : "upper:",
+                       joint.lower.value_or(0) > 0 ? *joint.lower : *joint.upper),
+           "Let lower be at most 0 and upper at least 0, or place the bodies where the limits allow it.");
     }
     if (joint.kind == JointKind::kUniversal && std::abs(joint.axis.dot(joint.axis2)) > 1e-6) {
       fail(joint.place, {"axis2"}, "axis2 is not at right angles to axis", "Choose two orthogonal axes.");

@@ -124,6 +124,8 @@ constexpr Break kBreaks[] = {
     {"FillMeshMissing", "fill: { box: { min: [0, 0, 0], max: [1, 1, 0.5] } }", "fill: { mesh: { file: ^none.obj } }", "none.obj"},
     {"OverlappingFluids", "models:", "  - { name: oil, material: sea_water, fill: { box: { min: [0, 0, 0.3], max: [1, 1, 0.6] } } }\nmodels:", "overlap"},
     {"FluidInALevelFill", "models:", "  - ^{ name: oil, material: sea_water, fill: { level: { container: tank, z: 0.2 } } }\nmodels:", "overlap"},
+    {"EngineWithoutJoints", "  - { name: pin, type: revolute, parent: world, child: ball, anchor: [0.7, 0.7, 0.9], axis: [0, 1, 0] }\ncoupling: { engine: ode, scheme", "  - ^{ name: pin, type: revolute, parent: world, child: ball, anchor: [0.7, 0.7, 0.9], axis: [0, 1, 0] }\ncoupling: { engine: free_body, scheme", "has no joints"},
+    {"StartBeyondALimit", "axis: [0, 1, 0] }", "axis: [0, 1, 0], limits: ^{ lower: 0.5, upper: 1 } }", "leave the start itself out"},
     {"OverlappingBodies", "pose: [0.7, 0.7, 0.7]", "pose: [0.35, 0.35, 0.75]", "overlap"},
     {"BodyInTheWall", "pose: [0.3, 0.3, 0.7]", "pose: [0, 0.3, 0.7]", "overlap"},
     {"MeshMissing", "box: [0.2, 0.2, 0.2]", "mesh: { file: ^nowhere.obj }", "nowhere.obj"},
