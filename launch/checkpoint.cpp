@@ -115,7 +115,8 @@ Status same_scene(const Checkpoint& checkpoint, const Scene& scene) {
                  "leave --duration away: without gravity the engine parts bodies that overlap at a speed that hangs on "
                  "the duration, so a longer run would not be the same from the start",
                  "--resume"};
-  return Error{fmt::format("the scene is not that of the checkpoint {}: {} differ", checkpoint.folder, keys),
+  return Error{fmt::format("the scene is not that of the checkpoint {}: {} {}", checkpoint.folder, keys,
+                           keys.find(',') == std::string::npos ? "differs" : "differ"),
                "give the scene and the options of the first run, or leave the scene away: the checkpoint has it",
                "--resume"};
 }

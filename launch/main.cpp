@@ -210,7 +210,19 @@ std::optional<int> unknown_word(const CLI::App& app, int argc, char** argv) {
     return kBadInput;
   }
   if (first.starts_with("-")) return std::nullopt;
-  const auto options = words_of(*app.get_subcommand(first), true);
+  const CLI::App* command = app.get_subcommand(first);
+  auto options = words_of(*command, true);
+  if (const auto actions = words_of(*command, false); !actions.empty()) {
+    const std::string action = argc > 2 ? argv[2] : "";
+    if (std::ranges::find(actions, action) == actions.end()) {
+      if (action.starts_with("-")) return std::nullopt;
+      fmt::print(stderr, "ballast: {} {}\n  {}\n", first,
+                 action.empty() ? "what?" : fmt::format("has no action '{}'", action),
+                 scene::suggestion(action, actions));
+      return kBadInput;
+    }
+    std::ranges::copy(words_of(*command->get_subcommand(action), true), std::back_inserter(options));
+  }
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (!name.starts_with("--") || name == "--" || std::ranges::find(options, name) != options.end()) continue;

@@ -238,11 +238,14 @@ Result<Prepared> prepare_run(const RunOptions& options, const std::optional<Chec
   auto scene = options.scene.empty() ? read_scene_text(resumed->scene_text, name, options.overrides)
                                      : read_scene(options.scene, options.overrides);
   if (!scene) return scene.error();
-  if (auto same = same_scene(*resumed, *scene); !same) return same.error();
+  auto prepared = prepare(*std::move(scene), name);
+  if (!prepared) return prepared;
+  // Only now: the checkpoint has what `auto` became.
+  if (auto same = same_scene(*resumed, prepared->scene); !same) return same.error();
   const std::string& out = options.out;
-  if (scene->output.vtk && !out.empty() && fs::absolute(out).lexically_normal() != fs::path(resumed->out))
+  if (prepared->scene.output.vtk && !out.empty() && fs::absolute(out).lexically_normal() != fs::path(resumed->out))
     return Error{"a run with ParaView files can only go on in its own folder", "leave --out away", "--out"};
-  return prepare(std::move(*scene), name);
+  return prepared;
 }
 
 /// Half a run neither meets nor misses what is expected of a whole one.

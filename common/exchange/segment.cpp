@@ -125,7 +125,7 @@ Result<bip::mapped_region> reserve_and_map(const std::string& name, bip::shared_
   while (code == EINTR);
   if (code != 0) {
     return failure(name, "cannot reserve " + std::to_string(bytes) + " bytes of shared memory: " + std::strerror(code),
-                   "free some of /dev/shm (df -h /dev/shm) or ask for smaller rings");
+                   "free some of /dev/shm (df -h /dev/shm; containers: --shm-size=1g)");
   }
   return bip::mapped_region(object, bip::read_write, 0, bytes);
 }

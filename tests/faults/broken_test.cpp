@@ -151,6 +151,7 @@ TEST_F(BrokenScenes, BrokenOnTheCommandLineAreRefusedByItsName) {
       {{"--threads", "0"}, "--threads"},
       {{"--threads", "two"}, "--threads"},
       {{"--timeout", "0"}, "--timeout"},
+      {{"--timeout", "2 kg"}, "'2 kg' is a mass (kg), but a time (s) is needed"},
       {{"--replay", "nowhere.json"}, "nowhere.json"},
       {{"--lcm-url", "pigeon"}, "'pigeon' is no LCM URL"},
       {{"--pictur"}, "Did you mean '--picture'"}};
@@ -183,6 +184,10 @@ TEST_F(BrokenScenes, AreSeenByCheckToo) {
   EXPECT_EQ(call("resolve " + file.string() + " --engine free_body --duration 4s"), 0) << said;
   says("free_body");
   says("duration: 4");
+  EXPECT_EQ(call("check " + file.string() + " --engine free_body"), 2) << said;
+  says("engine free_body has no joints, but joint 'pin'");
+  EXPECT_EQ(call("tell paus"), 2) << said;
+  says("tell has no action 'paus'\n  Did you mean 'pause'?");
 }
 
 }  // namespace

@@ -146,6 +146,19 @@ TEST_F(Checkpoints, OfAnotherSceneAreRefusedWithTheKeysThatDiffer) {
   EXPECT_TRUE(same.wait() == 0 || same.wait() == 3) << same.text();
 }
 
+/// What the scene leaves to the program is in the checkpoint as it was chosen.
+TEST_F(Checkpoints, OfAFluidAreOfTheSameSceneGivenAgain) {
+  Command run(first, joined(kBox, {"--checkpoint", "0.2s"}));
+  ASSERT_EQ(run.wait(), 0) << run.text();
+  const Words again = joined(kBox, {"--resume", (first / "out").string()});
+  Command other(second, joined(again, {"--set", "models.box.density=400"}));
+  EXPECT_EQ(other.wait(), 2);
+  EXPECT_NE(other.text().find(": models/box/density differs"), std::string::npos) << other.text();
+  Command same(second, again);
+  EXPECT_EQ(same.wait(), 0) << same.text();
+  EXPECT_EQ(same.record()["state_hash"], run.record()["state_hash"]);
+}
+
 /// Without weights the speed at which ODE parts bodies that overlap comes from the duration.
 TEST_F(Checkpoints, OfWeightlessBodiesLastNoLonger) {
   Command run(first, pendulum({"--set", "world.gravity=[0,0,0]", "--checkpoint", "50ms"}));
