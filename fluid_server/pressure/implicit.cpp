@@ -5,30 +5,36 @@
 #include <cmath>
 
 #include "fluid_server/pressure/sums.h"
+#include "fluid_server/step/step_control.h"
 
 namespace ballast::fluid {
 
 namespace {
 
-constexpr float kNoise = 0.003f;                // compression that disorder alone may show
-constexpr float kDisorder = 0.01f;              // of the summed density, which is not pulled at
-constexpr float kLag = 0.02f;                   // by how much the compression may be below the summed density
-constexpr float kGentle = 0.2f;                 // share of that much compression that a step takes back
-constexpr float kMost = 0.02f;                  // beyond kNoise, that a step takes back
+constexpr float kNoise = 0.003f;    // compression that disorder alone may show
+constexpr float kDisorder = 0.01f;  // of the summed density, which is not pulled at
+constexpr float kLag = 0.02f;       // by how much the compression may be below the summed density
+constexpr float kGentle = 0.2f;     // share of that much compression that a step takes back
+constexpr float kMost = 0.02f;      // beyond kNoise, that a step takes back
+// Of the sound speed, which is ten times the speed that the scene foretells: from there on corrections do not get
+// faster.
+constexpr double kFast = 0.2;
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
 // Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
 constexpr double kYielding = 0.05;
 
+}  // namespace
+
 /// The compression that a step takes back: what disorder makes gently, so that it does not become noise of the
 /// pressure; what is beyond at once, but never faster than the flow: a particle that a heavy body presses onto the
-/// floor would throw it off.
-float source_of(float compression) {
-  return kGentle * std::min(compression, kNoise) + std::clamp(compression - kNoise, 0.f, kMost);
+/// floor would throw it off. In a short step less: what it moves particles by would otherwise be the same however
+/// short, so that two particles that only huge pressures part get a speed, the speed a shorter step, and that more
+/// speed.
+float ImplicitPressure::source_of(float compression) const {
+  return pace_ * (kGentle * std::min(compression, kNoise) + std::clamp(compression - kNoise, 0.f, kMost));
 }
-
-}  // namespace
 
 void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExtras& extras,
                              const PassConstants& constants, std::span<const exchange::BodyState> states,
@@ -36,6 +42,8 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   const auto start = std::chrono::steady_clock::now();
   particles_ = &particles, items_ = &items, extras_ = &extras, constants_ = &constants, options_ = options;
   dt_ = constants.dt;
+  pace_ =
+      static_cast<float>(std::min(1.0, dt_ * kFast * constants.sound_speed / (StepLimits{}.longest_move * spacing_)));
   gravity_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
   const std::size_t n = particles.size();
   const int threads = constants.threads;

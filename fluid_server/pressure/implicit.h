@@ -64,6 +64,7 @@ class ImplicitPressure : private QuadraticProgram {
   bool good(std::span<const float> x, std::span<const float> gradient) override;
   bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
 
+  float source_of(float compression) const;
   void find_shares();
   void balance_closed(const Particles& particles, double mean_diagonal);
   void correct_compression(Particles& particles);
@@ -79,6 +80,7 @@ class ImplicitPressure : private QuadraticProgram {
   const PassConstants* constants_ = nullptr;
   ImplicitOptions options_;
   double dt_ = 0, gravity_ = 0;
+  float pace_ = 1;  // share of its correction that a step of this length makes
 
   Mprgp mprgp_;
   BodyRows bodies_;
