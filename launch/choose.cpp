@@ -32,7 +32,7 @@ Choices choose(Scene& scene) {
     scene.numerics.pressure = Pressure::kWcsph;
     choices.pressure_reason = why_explicit(scene);
   }
-  if (scene.numerics.pressure == Pressure::kWcsph && scene.numerics.shifting == When::kAuto) {
+  if (scene.numerics.shifting == When::kAuto) {
     const bool weightless = scene.numerics.reduced_gravity || scene.world.gravity.isZero(0);
     scene.numerics.shifting = weightless ? When::kAlways : When::kNever;
     choices.shifting_reason = weightless ? "no weight presses the particles together, and their lattice would tear"

@@ -43,7 +43,7 @@ void print_passes(const Scene& scene) {
   if (!scene.models.empty())
     fmt::print("  sums of samples, pressure and forces on solids, barrier{}\n", free ? ", films between solids" : "");
   fmt::print("  acceleration: pressure, artificial viscosity{}; motion\n", viscous ? ", viscosity" : "");
-  if (!implicit && scene.numerics.shifting == When::kAlways) fmt::print("  particles are shifted to even distances\n");
+  if (scene.numerics.shifting == When::kAlways) fmt::print("  particles are shifted to even distances\n");
   fmt::print("\nfields of a particle\n  position, velocity, pressure, volume, id{}\n", implicit ? ", compression" : "");
   if (viscous) fmt::print("  viscous velocity and viscosity, for a step\n");
 }

@@ -24,7 +24,7 @@ void find_left_out_of_fluid(const Prepared& prepared, std::vector<LeftOut>& out)
   if (!std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     out.push_back({kFilms, "no body moves freely", "a solve of the pressure between them, and its samples",
                    "none: nothing could be lifted"});
-  if (scene.numerics.pressure == Pressure::kWcsph && scene.numerics.shifting == When::kNever)
+  if (scene.numerics.shifting == When::kNever)
     out.push_back(
         {kShifting,
          prepared.choices.shifting_reason.empty() ? "numerics.shifting is never" : prepared.choices.shifting_reason,

@@ -257,9 +257,9 @@ void visit(V& v, Numerics& n) {
   v.when(n.pressure != Pressure::kImplicit, "the explicit solver (numerics.pressure: wcsph)", [&](auto& w) {
     w({"courant", kNone, "number of the acoustic step; 0: the accuracy class's", kNotNegative}, n.courant);
     w({"diffusion", kNone, "delta-SPH density diffusion (Molteni and Colagrossi 2009)", kNotNegative}, n.diffusion);
-    w({"shifting", kNone, "move particles back to even distances; auto: where no weight presses them together"},
-      n.shifting);
   });
+  v({"shifting", kNone, "move particles back to even distances; auto: where no weight presses them together"},
+    n.shifting);
   v({"artificial_viscosity", kNone, "alpha (Monaghan 1992), times the sound speed; between particles only",
      kNotNegative},
     n.artificial_viscosity);

@@ -179,7 +179,7 @@ struct Numerics {
   double sound_speed = 0;              ///< m/s; 0: ten times the largest speed expected
   double courant = 0;                  ///< of the acoustic step; 0: the accuracy class's
   double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
-  When shifting = When::kAuto;         ///< explicit solver: move particles back to even distances
+  When shifting = When::kAuto;         ///< move particles back to even distances
   double artificial_viscosity = 0.02;  ///< alpha (Monaghan 1992), between particles only
   double energy_bound = 0.1;           ///< energy gained over the energy at play: beyond it a run has diverged
   bool relax = true;                   ///< relax the particles at the start

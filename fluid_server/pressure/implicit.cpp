@@ -16,9 +16,8 @@ constexpr float kDisorder = 0.01f;  // of the summed density, which is not pulle
 constexpr float kLag = 0.02f;       // by how much the compression may be below the summed density
 constexpr float kGentle = 0.2f;     // share of that much compression that a step takes back
 constexpr float kMost = 0.02f;      // beyond kNoise, that a step takes back
-// Of the sound speed, which is ten times the speed that the scene foretells: from there on corrections do not get
-// faster.
-constexpr double kFast = 0.2;
+// Of the sound speed: the speed that the scene foretells. From there on corrections do not get faster.
+constexpr double kFast = 0.1;
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
 constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
@@ -42,8 +41,8 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   const auto start = std::chrono::steady_clock::now();
   particles_ = &particles, items_ = &items, extras_ = &extras, constants_ = &constants, options_ = options;
   dt_ = constants.dt;
-  pace_ =
-      static_cast<float>(std::min(1.0, dt_ * kFast * constants.sound_speed / (StepLimits{}.longest_move * spacing_)));
+  const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kLongestImplicitMove * spacing_));
+  pace_ = static_cast<float>(pace * pace);
   gravity_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
   const std::size_t n = particles.size();
   const int threads = constants.threads;

@@ -142,7 +142,8 @@ void WcsphFluid::move() {
       Vec3 way(r.vx * dt, r.vy * dt, r.vz * dt);
       if (shifting_) {
         way += shifting_->move(f).cast<double>();
-        r.p -= stiffness * extras_.density_of(items_->fluid_item[f]) * shifting_->expansion();
+        // the implicit solver's compression is pulled to the summed density anyway
+        if (!implicit_) r.p -= stiffness * extras_.density_of(items_->fluid_item[f]) * shifting_->expansion();
       }
       bool inside = advance(r.x, way[0], coordinates_.quantum[0], coordinates_.periodic[0]);
       inside &= advance(r.y, way[1], coordinates_.quantum[1], coordinates_.periodic[1]);
@@ -161,7 +162,7 @@ void WcsphFluid::move() {
     facts_.finite = check == 0;
     if (implicit_ && facts_.finite) {
       // In free flight up to half of the support, so that what comes into sight is never passed.
-      const double alone = StepLimits{}.longest_move * spacing_ / (0.5 * constants_.kernel.support);
+      const double alone = kLongestImplicitMove * spacing_ / (0.5 * constants_.kernel.support);
       facts_.meeting_speed = meeting_speed(particles_, *items_, alone, constants_.threads);
     }
     facts_.max_move = facts_.meeting_speed * dt / spacing_;

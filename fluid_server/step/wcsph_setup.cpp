@@ -132,8 +132,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.samples_ = std::make_unique<Samples>(
       Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
   self.particles_ = std::move(self.filled_.particles);
-  if (scene.numerics.pressure != Pressure::kImplicit && scene.numerics.shifting == When::kAlways)
-    self.shifting_ = std::make_unique<Shifting>(self.spacing_);
+  if (scene.numerics.shifting == When::kAlways) self.shifting_ = std::make_unique<Shifting>(self.spacing_);
   if (scene.numerics.relax && relax_start) {
     std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
     std::erase_if(solid, [](const Record& r) { return r.volume == 0; });

@@ -132,6 +132,7 @@ class Case:
     overrides: dict[str, str] = field(default_factory=dict)
     source: str = ""
     why: str = ""  # it misses, where that was found out by looking
+    order_why: str = ""  # its observed order is below 1, likewise
     stability: bool = False  # a line of the stability table, not a section of its own
     to_the_limit: bool = False  # a clean stop with code 4 counts as what is wanted beyond some limit
 

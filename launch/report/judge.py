@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from case import Case, Job, Outcome
+from case import LEVELS, Case, Job, Outcome
 from metrics import NoFigure, observed_order, pareto_front, time_to_reach
 from references import ReferenceMissing
 from runs import Place, shown_command
@@ -125,6 +125,39 @@ def headline(row: dict) -> dict:
     return row["measures"][0]
 
 
+def absolute_error(row: dict) -> float | None:
+    """The headline's error as it converges: one given in spacings, in metres."""
+    error = headline(row)
+    return error["value"] * row["h"] if error["value"] is not None and error["unit"] == "dx" else error["value"]
+
+
+def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
+    """Per level: how many validation cases of fluid (F, B, X) meet all their targets with at least one solver, and how
+    many pairs of case and solver do. The staggered scheme does not count: it is there to show where it fails."""
+    lines = []
+    for level in LEVELS[1:]:
+        pairs = {}
+        for case in (c for c in cases if not c.stability and c.id[0] in "FBX"):
+            for method in (m for m in case.methods if m != "staggered"):
+                mine = [r for r in rows if (r["case"], r["method"], r["level"]) == (case.id, method, level)]
+                verdicts = [m["verdict"] for r in mine for m in r["measures"] if m["target"] is not None]
+                if verdicts:
+                    pairs[case.id, method] = all(v == "met" for v in verdicts)
+        by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
+        if pairs:
+            lines.append(
+                {
+                    "level": level,
+                    "cases_met": sum(by_case.values()),
+                    "cases": len(by_case),
+                    "missed": [c for c, met in by_case.items() if not met],
+                    "pairs_met": sum(pairs.values()),
+                    "pairs": len(pairs),
+                }
+            )
+    return lines
+
+
 def points_of(rows: list[dict]) -> list[dict]:
     """Rows that are a point in the chart of error against time."""
     return [r for r in rows if r["wall_s"] and headline(r)["value"] is not None]
@@ -138,7 +171,7 @@ def mark(rows: list[dict]) -> None:
     for members in groups.values():
         members.sort(key=lambda r: -r["h"])
         for coarse, fine in zip(members, members[1:]):
-            pair = headline(coarse)["value"], headline(fine)["value"]
+            pair = absolute_error(coarse), absolute_error(fine)
             fine["order"] = observed_order(coarse["h"], pair[0], fine["h"], pair[1]) if None not in pair else None
     for variant in {r["variant"] for r in rows}:
         some = points_of([r for r in rows if r["variant"] == variant])

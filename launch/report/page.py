@@ -8,7 +8,7 @@ from jinja2 import Environment, FileSystemLoader
 import trust
 from case import LEVELS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
-from judge import headline, points_of, times_to_targets
+from judge import headline, met_by_level, points_of, times_to_targets
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
 from not_built import NOT_BUILT
@@ -244,6 +244,7 @@ def write(
         not_built=NOT_BUILT,
         trust=trust.table(cases, rows),
         tally=tally(rows),
+        levels=met_by_level(cases, rows),
         changes=changes,
         word=WORD,
     )

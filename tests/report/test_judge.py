@@ -1,0 +1,55 @@
+"""Verdicts put together, on rows whose outcome is known."""
+
+import unittest
+
+import judge
+from case import Case, Measure
+
+
+def case(name: str, methods: tuple[str, ...] = ("wcsph", "implicit"), unit: str = "") -> Case:
+    return Case(name, "", "", "", (), (Measure("e", unit, lambda run: 0.0, (0.1, 0.01)),), methods)
+
+
+def row(name: str, method: str, verdict: str, level: str = "10s", h: float = 1, value: float = 0.05, unit: str = "") -> dict:
+    target = None if verdict == "no target" else 0.1
+    return {
+        "case": name,
+        "method": method,
+        "level": level,
+        "group": f"{name}/{method}",
+        "variant": "",
+        "h": h,
+        "wall_s": 1.0,
+        "measures": [{"name": "e", "unit": unit, "value": value, "target": target, "verdict": verdict}],
+    }
+
+
+class MetByLevel(unittest.TestCase):
+    def test_one_solver_is_enough_for_a_case_and_not_for_its_pairs(self):
+        rows = [
+            row("B1", "wcsph", "met"),
+            row("B1", "implicit", "met"),
+            row("B1", "implicit", "missed"),  # another variant
+            row("B1", "staggered", "missed"),
+            row("B1", "wcsph", "missed", "1min"),
+            row("X1", "wcsph", "missed"),
+            row("X7", "wcsph", "no target"),
+            row("R1", "wcsph", "missed"),
+        ]
+        cases = [case("B1", ("wcsph", "implicit", "staggered")), case("X1"), case("X7"), case("R1")]
+        ten, minute = judge.met_by_level(cases, rows)
+        self.assertEqual((ten["cases_met"], ten["cases"], ten["pairs_met"], ten["pairs"]), (1, 2, 1, 3))
+        self.assertEqual(ten["missed"], ["X1"])
+        self.assertEqual((minute["level"], minute["cases_met"], minute["cases"]), ("1min", 0, 1))
+
+
+class Order(unittest.TestCase):
+    def test_an_error_that_stays_the_same_in_spacings_is_of_first_order(self):
+        for unit, order in (("dx", 1), ("", 0)):
+            rows = [row("B1", "wcsph", "met", h=h, unit=unit) for h in (2, 1)]
+            judge.mark(rows)
+            self.assertAlmostEqual(rows[1]["order"], order)
+
+
+if __name__ == "__main__":
+    unittest.main()
