@@ -23,6 +23,18 @@ std::string why_explicit(const Scene& scene) {
          "throw still water up";
 }
 
+/// Has the fluid no free surface, as far as a look at the scene tells?
+bool is_closed(const Scene& scene) {
+  if (scene.numerics.reduced_gravity) return true;
+  const auto& periodic = scene.world.periodic;
+  if (periodic[0] && periodic[2] && (scene.world.dimension == 2 || periodic[1])) return true;
+  return std::ranges::all_of(scene.fluids, [&](const Fluid& fluid) {
+    const auto container = std::ranges::find(scene.models, fluid.fill.container, &Model::name);
+    return fluid.fill.kind == FillKind::kLevel && container != scene.models.end() &&
+           (container->shape.hollow || container->shape.lid);
+  });
+}
+
 }  // namespace
 
 Choices choose(Scene& scene) {
@@ -34,9 +46,13 @@ Choices choose(Scene& scene) {
   }
   if (scene.numerics.shifting == When::kAuto) {
     const bool weightless = scene.numerics.reduced_gravity || scene.world.gravity.isZero(0);
-    scene.numerics.shifting = weightless ? When::kAlways : When::kNever;
-    choices.shifting_reason = weightless ? "no weight presses the particles together, and their lattice would tear"
-                                         : "their weight presses the particles together";
+    // Short steps, which shifting needs there, leave the implicit solver too little time to part the particles of jets.
+    const bool shifts = weightless && (scene.numerics.pressure != Pressure::kImplicit || is_closed(scene));
+    scene.numerics.shifting = shifts ? When::kAlways : When::kNever;
+    choices.shifting_reason = shifts ? "no weight presses the particles together, and their lattice would tear"
+                              : weightless
+                                  ? "the fluid has a surface, and the implicit solver's steps would get too short"
+                                  : "their weight presses the particles together";
   }
   if (scene.coupling.scheme != "auto") return choices;
   const auto joint = std::ranges::find_if(scene.joints, [&](const Joint& j) {

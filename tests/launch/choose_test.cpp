@@ -74,6 +74,13 @@ TEST(Choose, ParticlesAreShiftedWhereNoWeightPressesThemTogether) {
   reduced.numerics.reduced_gravity = true;
   choose(reduced);
   EXPECT_EQ(reduced.numerics.shifting, When::kAlways);
+  Scene open = crate_in_water(), closed = crate_in_water();
+  open.numerics.pressure = closed.numerics.pressure = Pressure::kImplicit;
+  open.world.gravity = Vec3::Zero();
+  closed.numerics.reduced_gravity = true;
+  choose(open), choose(closed);
+  EXPECT_EQ(open.numerics.shifting, When::kNever);
+  EXPECT_EQ(closed.numerics.shifting, When::kAlways);
   Scene said = crate_in_water();
   said.numerics.shifting = When::kAlways;
   EXPECT_EQ(choose(said).shifting_reason, "");
