@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "common/adding_watch.h"
 #include "common/intervals.h"
 
 namespace ballast::exchange {
@@ -43,18 +43,6 @@ double reach_of(const ShapeRecord& shape, const ManifestView& manifest) {
   return norm(shape.position) + own;
 }
 
-/// Adds the time until its end to `total`, s.
-class Watch {
- public:
-  explicit Watch(double& total) : total_(total) {}
-  ~Watch() { total_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& total_;
-  Clock::time_point start_ = Clock::now();
-};
-
 }  // namespace
 
 Sleep::Sleep(const ManifestView& manifest)
@@ -77,7 +65,7 @@ Sleep::Sleep(const ManifestView& manifest)
 }
 
 double Sleep::until(double time) const {
-  const Watch watch(watched_);
+  const AddingWatch watch(watched_);
   // The negation: a speed that is not a number is not slow.
   if (!possible() || !(fastest_ < speed_) || time < pushed_until_ || time - quiet_since_ < after_) return time;
   double end = std::numeric_limits<double>::infinity();
@@ -93,7 +81,7 @@ double Sleep::until(double time) const {
 }
 
 void Sleep::computed(double time, std::span<const BodyState> states, double others) {
-  const Watch watch(watched_);
+  const AddingWatch watch(watched_);
   if (!possible()) return;
   asleep_ = false;
   fastest_ = others;

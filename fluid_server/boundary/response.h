@@ -60,7 +60,8 @@ class Response {
   void accelerate_body(Neighbourhood& items, std::uint32_t body, const Eigen::Matrix<double, 6, 1>& change);
   /// Adds a force on a wet sample's body, N, at `arm` from its centre of mass.
   void push(std::uint32_t sample, const Vec3& arm, const Vec3& force);
-  /// Where the fluid touches each moving body: once all forces are known. `states`: those of the last solve().
+  /// Where the fluid touches each moving body, wet patches only: once all forces are known. `states`: those of the last
+  /// solve().
   std::span<const exchange::Contact> gather_contacts(std::span<const exchange::BodyState> states);
 
   Seepage* films() const { return films_.get(); }  ///< null where no body can move freely
@@ -73,7 +74,6 @@ class Response {
   }
 
   std::span<const exchange::Wrench> wrenches() const { return wrenches_; }
-  /// Where the fluid touches each moving body, wet patches only.
   std::size_t memory() const;  ///< bytes of all its arrays
   /// Acceleration that the extrapolation used, per body: linear, angular.
   std::span<const Eigen::Matrix<double, 6, 1>> accelerations() const { return acceleration_; }
@@ -118,9 +118,9 @@ class Response {
   double spacing_;
   std::vector<Vec3> buoyancy_;
   std::unique_ptr<Seepage> films_;
-  std::vector<Wet> wet_;                  // by sample
-  std::vector<std::uint32_t> wet_stamp_;  // by sample: step in which it was last wet
-  std::uint32_t stamp_ = 1;
+  std::vector<Wet> wet_;                      // by sample
+  std::vector<std::uint32_t> wet_stamp_;      // by sample: step in which it was last wet
+  std::uint32_t stamp_ = 1;                   // of the step at hand; before the first nothing is wet
   Scheme scheme_ = Scheme::kInterlinked;      // of the last solve
   std::vector<Eigen::Vector3f> final_force_;  // by sample
   std::vector<std::uint32_t> wet_sample_;     // samples wet now, in item order

@@ -271,16 +271,16 @@ class Grid {
       at_[key(coordinates.to_metres(r.x, r.y, r.z), 0, 0, 0)].push_back({r.x, r.y, r.z});
     }
   }
-  /// Number of particles within `reach` <= cell of p.
-  int near(const Vec3& p, double reach) const {
-    int count = 0;
+  /// Is a particle within `reach` <= cell of p?
+  bool near(const Vec3& p, double reach) const {
     const Fixed3 own = coordinates_.to_fixed(p);
     for (int k = 0; k < 27; ++k) {
       const auto found = at_.find(key(p, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
       if (found == at_.end()) continue;
-      for (const Fixed3& other : found->second) count += coordinates_.difference(own, other).norm() < reach;
+      for (const Fixed3& other : found->second)
+        if (coordinates_.difference(own, other).norm() < reach) return true;
     }
-    return count;
+    return false;
   }
 
  private:
@@ -300,7 +300,7 @@ void settle_neighbours(const Scene& scene, const Coordinates& coordinates, Fille
   const double d = scene.world.spacing;
   const Grid grid(filled.particles, coordinates, d);
   std::erase_if(filled.ghosts,
-                [&](const Record& r) { return grid.near(coordinates.to_metres(r.x, r.y, r.z), 0.75 * d) > 0; });
+                [&](const Record& r) { return grid.near(coordinates.to_metres(r.x, r.y, r.z), 0.75 * d); });
 }
 
 /// Refuses a fill that reaches into that of an earlier fluid.

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "common/adding_watch.h"
 #include "common/exchange/hash.h"
 #include "fluid_server/pressure/sums.h"
 #include "fluid_server/step/meeting_speed.h"
@@ -14,16 +14,6 @@
 namespace ballast::fluid {
 
 namespace {
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total) : total_(total) {}
-  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  double& total_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Position after a move of v dt; false if it left the domain along an axis that is not periodic.
 bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
@@ -40,7 +30,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   lost_before_ = lost_, energy_lost_before_ = energy_lost_;
   std::swap(particles_, before_);
   {
-    const Stopwatch watch(times_.sort);
+    const AddingWatch watch(times_.sort);
     samples_->place(states, coordinates_, constants_.threads);
     items_->rebuild(before_, particles_, samples_->moving(), samples_->first_moving);
     idle_.samples += samples_->size() - items_->sample_item.size(), ++idle_.steps;
@@ -48,21 +38,21 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   }
   remember();
   if (implicit_) {
-    const Stopwatch watch(times_.pressure);
+    const AddingWatch watch(times_.pressure);
     build_lists(*items_, constants_);
   } else {
-    const Stopwatch watch(times_.pressure);
+    const AddingWatch watch(times_.pressure);
     build_lists_and_advance_pressure(*items_, extras_, constants_, pressure_);
 #pragma omp parallel for num_threads(constants_.threads) schedule(static)
     for (std::size_t f = 0; f < particles_.size(); ++f)
       particles_.record[f].p = items_->record[items_->fluid_item[f]].p = pressure_[f];
   }
   if (constants_.ram_on_samples) {
-    const Stopwatch watch(times_.boundary);
+    const AddingWatch watch(times_.boundary);
     response_->place_normals(*items_, states, extras_);
   }
   respond(states);
-  const Stopwatch watch(times_.boundary);
+  const AddingWatch watch(times_.boundary);
   constexpr double kMayMatter = 0.01;  // of the fluid's own bound: bodies far lighter than a spacing of fluid are rare
   if (constants_.viscous && dt > kMayMatter * viscous_step(constants_.kernel.h(), kinematic_viscosity_))
     facts_.drag_rate = response_->drag_rate(*items_, sums_, states);
@@ -92,10 +82,10 @@ void WcsphFluid::put_back() {
 /// Pressure as far as it hangs on the bodies' accelerations, and the wrenches.
 void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   if (implicit_) {
-    const Stopwatch watch(times_.pressure);
+    const AddingWatch watch(times_.pressure);
     implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, implicit_options_);
   }
-  const Stopwatch watch(times_.boundary);
+  const AddingWatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
   if (implicit_) implicit_->scale(sums_);
   response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_, Films::kFollow);
@@ -121,7 +111,7 @@ void WcsphFluid::prepare_extras() {
 
 void WcsphFluid::move() {
   {
-    const Stopwatch watch(times_.motion);
+    const AddingWatch watch(times_.motion);
     accelerate(*items_, extras_, constants_, acceleration_);
     for (const Barrier::Push& push : barrier_->pushes())
       Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
