@@ -3,6 +3,7 @@
 import java.awt.Component;
 import java.awt.Container;
 import java.awt.Frame;
+import java.lang.reflect.InvocationTargetException;
 import java.util.HashMap;
 import java.util.Map;
 import javax.swing.JTable;
@@ -37,6 +38,8 @@ public class SpyCheck {
   }
 
   public static void main(String[] channels) throws Exception {
+    // Swing's threads would keep a process alive whose main thread has failed.
+    Thread.currentThread().setUncaughtExceptionHandler((thread, error) -> { error.printStackTrace(); Runtime.getRuntime().halt(1); });
     Thread spy = new Thread(() -> lcm.spy.Spy.main(new String[0]));
     spy.setDaemon(true);
     spy.start();
@@ -44,7 +47,11 @@ public class SpyCheck {
     boolean all = false;
     for (int i = 0, quiet = 0; i < 600 && (!all || quiet < 20); i++) {
       Thread.sleep(100);
-      SwingUtilities.invokeAndWait(() -> { rows.clear(); rows.putAll(rows()); });
+      try {
+        SwingUtilities.invokeAndWait(() -> { rows.clear(); rows.putAll(rows()); });
+      } catch (InvocationTargetException changing) {
+        continue;  // lcm-spy fills its table outside of Swing's thread: a row that is being added cannot be read
+      }
       all = true;
       for (String channel : channels) all = all && rows.containsKey(channel);
       quiet = rows.equals(before) ? quiet + 1 : 0;
