@@ -11,6 +11,7 @@
 #include "common/exchange/hash.h"
 #include "common/exchange/sleep_json.h"
 #include "common/output/picture.h"
+#include "fluid_server/left_out.h"
 #include "fluid_server/probes/probes.h"
 #include "fluid_server/step/accuracy.h"
 
@@ -50,12 +51,6 @@ std::vector<Pose> poses_of(std::span<const exchange::BodyState> states) {
   std::vector<Pose> poses;
   for (const auto& s : states) poses.push_back({Vec3::Map(s.position), rotation_of(s)});
   return poses;
-}
-
-/// A row of the record's table (launch/savings.h) about which nobody can count time or bytes.
-nlohmann::json left_out(const char* what, const std::string& why, const std::string& saved, const char* difference) {
-  return {{"what", what},          {"why", why}, {"saved", saved}, {"difference", difference}, {"saved_s", nullptr},
-          {"saved_bytes", nullptr}};
 }
 
 }  // namespace
@@ -291,26 +286,8 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
                           {"mass_asked_kg", f.mass_asked},
                           {"mass_kg", f.mass},
                           {"particles", f.particles}});
-  if (!energy_.left_out().empty())
-    j["left_out"].push_back(left_out("bound of the energy", energy_.left_out(), "nothing to speak of",
-                                     "energy that the steps make goes unseen"));
-  if (const IdleSamples& idle = fluid_.idle_samples(); idle.samples > 0)
-    j["left_out"].push_back(left_out(
-        "samples without fluid", "no particle within the kernel's support",
-        fmt::format("sorting and sums of {:.0f} of {} samples a step",
-                    static_cast<double>(idle.samples) / static_cast<double>(idle.steps), fluid_.samples().size()),
-        "none: their sums would be empty"));
-  const std::uint64_t computed = step - std::min(step, sleep.steps());
-  if (const std::size_t fixed = fluid_.samples().fixed().size(); fixed > 0)
-    j["left_out"].push_back(
-        left_out("sorting of static samples", "static bodies do not move",
-                 fmt::format("placing and sorting of {} samples in each of {} steps", fixed, computed),
-                 "none: they are where they were"));
-  if (interface.iterates() && computed > interface.report().steps)
-    j["left_out"].push_back(
-        left_out("repetitions of dry steps", "no body that moves freely touched fluid",
-                 fmt::format("all but one exchange in {} of {} steps", computed - interface.report().steps, computed),
-                 "none: nothing to agree about"));
+  j["left_out"] = left_out_rows(fluid_, scene_.numerics.skip_search, energy_.left_out(), interface,
+                                step - std::min(step, sleep.steps()));
   const RelaxReport& relaxed = fluid_.relax_report();
   j["relaxation"] = {
       {"rounds", relaxed.moves}, {"spread_before", relaxed.spread_before}, {"spread_after", relaxed.spread_after}};

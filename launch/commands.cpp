@@ -37,7 +37,8 @@ void print_passes(const Scene& scene) {
   const bool free = any(Motion::kDynamic);
   fmt::print("\npasses of a step\n");
   if (free || any(Motion::kPrescribed)) fmt::print("  samples of moving bodies are placed\n");
-  fmt::print("  particles are sorted by cell, samples near them merged in\n  neighbour lists{}\n",
+  fmt::print("  particles are sorted by cell, samples near them merged in{}\n  neighbour lists{}\n",
+             scene.numerics.skip_search ? "; while nothing leaves its cell order and lists are kept" : "",
              implicit ? "" : ", and in the same sweep continuity and density diffusion");
   if (implicit) fmt::print("  implicit pressure: rows, and products until it fits\n");
   if (!scene.models.empty())

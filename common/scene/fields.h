@@ -260,13 +260,13 @@ void visit(V& v, Numerics& n) {
   });
   v({"shifting", kNone, "move particles back to even distances; auto: where no weight presses them together"},
     n.shifting);
-  v({"artificial_viscosity", kNone, "alpha (Monaghan 1992), times the sound speed; between particles only",
-     kNotNegative},
+  v({"artificial_viscosity", kNone, "alpha (Monaghan 1992), between particles only", kNotNegative},
     n.artificial_viscosity);
   v({"energy_bound", kNone, "energy gained by the fluid over that at play, beyond which a run has diverged",
      Range{0, 1, true}},
     n.energy_bound);
   v({"relax", kNone, "relax the particles at the start"}, n.relax);
+  v({"skip_search", kNone, "keep lists while nothing leaves its cell; false: the same, slower"}, n.skip_search);
   v({"reduced_gravity", kNone,
      "leave out the hydrostatic pressure: bodies get their buoyancy by Archimedes; for closed containers full of "
      "fluid"},

@@ -183,6 +183,7 @@ struct Numerics {
   double artificial_viscosity = 0.02;  ///< alpha (Monaghan 1992), between particles only
   double energy_bound = 0.1;           ///< energy gained over the energy at play: beyond it a run has diverged
   bool relax = true;                   ///< relax the particles at the start
+  bool skip_search = true;             ///< keep order and neighbour lists while nothing leaves its cell
   /// The hydrostatic part of the pressure is left out: the fluid feels no gravity, every body the buoyancy of
   /// Archimedes instead. The same motion where the fluid fills a closed container; wrong where it has a surface.
   bool reduced_gravity = false;

@@ -1,13 +1,17 @@
 // Counting sort of particles by cell, merged with the boundary samples near them. The order within a cell is that
-// before, so the result does not depend on the number of threads.
+// before, so the result does not depend on the number of threads, and where no item leaves its cell nothing is sorted.
 #include "fluid_server/neighbours/neighbourhood.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace ballast::fluid {
 
 namespace {
+
+constexpr std::uint32_t kLongestPause = 63;  // searches
 
 std::uint32_t whole_cells(double length, double size) {
   return static_cast<std::uint32_t>(std::clamp(std::floor(length / size), 1.0, 65535.0));
@@ -65,12 +69,90 @@ void Neighbourhood::set_static_samples(std::span<const Record> samples) {
 
 void Neighbourhood::rebuild(const Particles& before, Particles& after, std::span<const Record> moving,
                             std::uint32_t first_moving) {
+  if (lists.valid && keep_order(before, after, moving, first_moving)) return;
+  decide_to_measure();
   count_particles(before);
   total_rows();
   activate_rows();
   count_moving(moving);
   place_rows();
   scatter(before, after, moving, first_moving);
+}
+
+/// Looking for the room that pairs have costs a twentieth of a step: where lists could not be kept even once it is
+/// tried again after 1, 3, 7 .. 63 searches.
+void Neighbourhood::decide_to_measure() {
+  if (lists.valid || was_kept_) {
+    pause_ = was_kept_ ? 0 : std::min(2 * pause_ + 1, kLongestPause);
+    wait_ = pause_;
+  } else if (wait_ > 0) {
+    --wait_;
+  }
+  lists.valid = was_kept_ = false;
+  lists.measure = may_keep && wait_ == 0;
+}
+
+void Neighbourhood::count_kept(std::uint64_t made_again) {
+  searches.lists += size(), searches.made_again += made_again;
+  const auto total = [](const std::vector<std::size_t>& used) {
+    return std::accumulate(used.begin(), used.end(), std::size_t{0});
+  };
+  if (made_again > size() / 2) {  // hardly less work than a search
+    lists.valid = was_kept_ = false;
+    wait_ = pause_ = std::min(2 * pause_ + 1, kLongestPause);
+  } else if (total(lists.used) > lists.used_at_first * 5 / 4) {
+    lists.valid = false;  // too many places whose lists have grown out of them
+  }
+}
+
+/// Largest displacement of an item since the last time, m; infinite if one has left its cell or come into play.
+double Neighbourhood::largest_move(const Particles& before, std::span<const Record> moving) const {
+  if (before.size() != fluid_item.size() || moving.size() != moving_cell_.size()) return HUGE_VAL;
+  double largest2 = 0;
+  const auto check = [this](const Record& r, std::uint32_t item) {
+    if (cells_.cell(r.x, r.y, r.z) != cells_.cell(x[item], y[item], z[item])) return HUGE_VAL;
+    const auto metres = [](std::uint32_t to, std::uint32_t from, double quantum) {
+      return quantum * static_cast<double>(static_cast<std::int32_t>(to - from));
+    };
+    const Vec3& q = coordinates_.quantum;
+    return Vec3(metres(r.x, x[item], q[0]), metres(r.y, y[item], q[1]), metres(r.z, z[item], q[2])).squaredNorm();
+  };
+#pragma omp parallel for num_threads(threads_) schedule(static) reduction(max : largest2)
+  for (std::size_t f = 0; f < before.size(); ++f) largest2 = std::max(largest2, check(before.record[f], fluid_item[f]));
+#pragma omp parallel for num_threads(threads_) schedule(static) reduction(max : largest2)
+  for (std::size_t s = 0; s < moving.size(); ++s) {
+    if (cell_of_moving(moving[s]) != moving_cell_[s])
+      largest2 = HUGE_VAL;
+    else if (moving_cell_[s] != ~0u)
+      largest2 = std::max(largest2, check(moving[s], moving_item_[s]));
+  }
+  return std::sqrt(largest2);
+}
+
+bool Neighbourhood::keep_order(const Particles& before, Particles& after, std::span<const Record> moving,
+                               std::uint32_t first_moving) {
+  const double move = largest_move(before, moving);
+  if (!std::isfinite(move)) return false;
+  lists.moved += move * (1 + 1e-6);
+  was_kept_ = true;
+  after.has_compression = before.has_compression;
+  after.resize(before.size());
+#pragma omp parallel num_threads(threads_)
+  {
+#pragma omp for schedule(static) nowait
+    for (std::size_t f = 0; f < before.size(); ++f) {
+      before.for_each_field([&](auto field) { (after.*field)[f] = (before.*field)[f]; });
+      put(fluid_item[f], before.record[f], static_cast<std::uint32_t>(f));
+    }
+#pragma omp for schedule(static) nowait
+    for (std::uint32_t row = 0; row < cells_.rows(); ++row)
+      if (row_filled_[row]) put_static(row);
+#pragma omp for schedule(static)
+    for (std::size_t s = 0; s < moving.size(); ++s)
+      if (moving_cell_[s] != ~0u)
+        put(moving_item_[s], moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
+  }
+  return true;
 }
 
 void Neighbourhood::count_particles(const Particles& before) {
@@ -172,16 +254,21 @@ void Neighbourhood::activate_rows() {
 void Neighbourhood::count_moving(std::span<const Record> moving) {
   // moving_count_ is all zero here: scatter() counted it down
   moving_cell_.resize(moving.size());
+  moving_item_.resize(moving.size());
   for (std::size_t s = 0; s < moving.size(); ++s) {
-    const Record& r = moving[s];
-    moving_cell_[s] = ~0u;
-    if (r.volume == 0) continue;  // outside the domain
-    const std::uint32_t row = cells_.row(r.y, r.z), cx = Cells::along(r.x, cells_.count[0]);
-    if (!active_[static_cast<std::size_t>(row) * cells_.blocks_x() + cx / Cells::kFine]) continue;
-    moving_cell_[s] = row * cells_.count[0] + cx;
+    moving_cell_[s] = cell_of_moving(moving[s]);
+    if (moving_cell_[s] == ~0u) continue;
     ++moving_count_[moving_cell_[s]];
-    ++row_all_[row];
+    ++row_all_[moving_cell_[s] / cells_.count[0]];
   }
+}
+
+/// ~0u if no particle can have it within the support.
+std::uint32_t Neighbourhood::cell_of_moving(const Record& r) const {
+  if (r.volume == 0) return ~0u;  // outside the domain
+  const std::uint32_t row = cells_.row(r.y, r.z), cx = Cells::along(r.x, cells_.count[0]);
+  const bool active = active_[static_cast<std::size_t>(row) * cells_.blocks_x() + cx / Cells::kFine];
+  return active ? row * cells_.count[0] + cx : ~0u;
 }
 
 void Neighbourhood::put(std::uint32_t item, const Record& r, std::uint32_t from) {
@@ -221,17 +308,29 @@ void Neighbourhood::place_rows() {
       start_[first + cx] = item;
       start_fluid_[first + cx] = particle;
       const std::uint32_t here = any_fluid ? fluid_count_[c] : 0;
-      item += here;
+      item += here + moving_count_[c];
       particle += here;
-      if (active[cx / Cells::kFine])
-        for (std::uint32_t s = static_start_[c]; s < static_start_[c + 1]; ++s, ++item) {
-          put(item, static_record_[s], kSample | static_source_[s]);
-          sample_item[item - particle] = item;
-        }
-      item += moving_count_[c];
+      if (active[cx / Cells::kFine]) item += static_start_[c + 1] - static_start_[c];
     }
     start_[first + nx] = item;
     start_fluid_[first + nx] = particle;
+    put_static(row);
+  }
+}
+
+/// Static samples of a row behind the particles of their cells.
+void Neighbourhood::put_static(std::uint32_t row) {
+  const std::uint32_t nx = cells_.count[0];
+  const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
+  for (std::uint32_t cx = 0; cx < nx; ++cx) {
+    if (!active[cx / Cells::kFine]) continue;
+    const std::size_t c = static_cast<std::size_t>(row) * nx + cx, at = c + row;
+    const std::uint32_t particle = start_fluid_[at + 1];
+    std::uint32_t item = start_[at] + particle - start_fluid_[at];
+    for (std::uint32_t s = static_start_[c]; s < static_start_[c + 1]; ++s, ++item) {
+      put(item, static_record_[s], kSample | static_source_[s]);
+      sample_item[item - particle] = item;
+    }
   }
 }
 
@@ -257,6 +356,7 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
     const std::uint32_t c = moving_cell_[s];
     if (c == ~0u) continue;
     const std::uint32_t end = c + c / nx + 1, item = start_[end] - 1 - (--moving_count_[c]);
+    moving_item_[s] = item;
     put(item, moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
     sample_item[item - start_fluid_[end]] = item;
   }

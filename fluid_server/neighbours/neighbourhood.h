@@ -38,8 +38,30 @@ struct Lists {
   std::vector<std::uint32_t> buffer_of_chunk;
   std::vector<std::uint32_t> start;  ///< per item, in its chunk's buffer
   std::vector<std::uint16_t> count;  ///< per item, without padding
+
+  // Lists may be kept as long as no item has left its cell: the order of the items is the same then, and so is a list
+  // while no pair has crossed the support.
+  std::vector<float> good_until;    ///< per item, m: its list is the same until twice `moved` reaches that
+  std::vector<std::uint8_t> group;  ///< at the first item of each group that shares windows: how many items it has
+  std::vector<std::size_t> used;    ///< per buffer, entries
+  std::size_t used_at_first = 0;    ///< of all buffers, when the lists were built
+  double moved = 0;                 ///< no item is farther from where it was when lists were built, m
+  bool measure = false;             ///< building them finds `good_until`
+  bool valid = false;               ///< they are those of this order, and `good_until` is known
+
   const std::uint32_t* of(std::uint32_t item) const {
     return buffer[buffer_of_chunk[item / kChunk]].data() + start[item];
+  }
+};
+
+/// How often searching for neighbours was skipped, and what the rest took.
+struct SearchCounts {
+  std::uint64_t searched = 0, kept = 0;     ///< steps
+  std::uint64_t lists = 0, made_again = 0;  ///< in the steps kept: lists in all, and those whose pairs had changed
+  double searched_seconds = 0, kept_seconds = 0;  ///< sorting, lists, and what is summed in the same sweep
+  void add(bool was_kept, double seconds) {
+    ++(was_kept ? kept : searched);
+    (was_kept ? kept_seconds : searched_seconds) += seconds;
   }
 };
 
@@ -55,6 +77,8 @@ class Neighbourhood {
 
   /// Sorts `before` into `after` (same size, both resized by the caller's first use) and gathers the items: all
   /// particles and every sample that can have one within the support. `moving` samples have index first_moving + k.
+  /// Where nothing has left its cell since the last time, the order is that of then and only places and states are
+  /// taken over; the result is the same to the last bit.
   void rebuild(const Particles& before, Particles& after, std::span<const Record> moving, std::uint32_t first_moving);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(record.size() - kTail); }
@@ -74,8 +98,18 @@ class Neighbourhood {
   std::vector<std::uint32_t> fluid_item;   ///< item of particle f
   std::vector<std::uint32_t> sample_item;  ///< items that are samples
   Lists lists;
+  SearchCounts searches;
+  bool may_keep = true;  ///< false: search in every step, to compare
+  /// Lists were kept in this step but for some that were made again.
+  void count_kept(std::uint64_t made_again);
 
  private:
+  bool keep_order(const Particles& before, Particles& after, std::span<const Record> moving,
+                  std::uint32_t first_moving);
+  double largest_move(const Particles& before, std::span<const Record> moving) const;
+  void decide_to_measure();
+  std::uint32_t cell_of_moving(const Record& r) const;
+  void put_static(std::uint32_t row);
   void count_particles(const Particles& before);
   void total_rows();
   void activate_rows();
@@ -96,10 +130,13 @@ class Neighbourhood {
   std::vector<std::vector<std::uint8_t>> row_touched_;  // per sorting thread: its histogram may be non-zero there
   // per block (row, kFine cells)
   std::vector<std::uint8_t> occupied_, active_;
-  std::vector<std::uint32_t> cell_of_;      // of particles before
-  std::vector<std::uint32_t> moving_cell_;  // of moving samples; ~0u: inactive
+  std::vector<std::uint32_t> cell_of_;                    // of particles before
+  std::vector<std::uint32_t> moving_cell_, moving_item_;  // of moving samples; ~0u: inactive
   std::vector<Record> static_record_;
   std::vector<std::uint32_t> static_source_;
+  // searches until lists are measured again, and how many those are after lists that could not be kept
+  std::uint32_t wait_ = 0, pause_ = 0;
+  bool was_kept_ = false;  // the lists at hand have been kept once
 };
 
 }  // namespace ballast::fluid

@@ -8,6 +8,10 @@
 #endif
 #include <omp.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
 #include "fluid_server/passes/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,6 +19,7 @@ namespace ballast::fluid {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE std::uint32_t thread_index() { return static_cast<std::uint32_t>(omp_get_thread_num()); }
+HWY_INLINE std::uint32_t thread_count() { return static_cast<std::uint32_t>(omp_get_num_threads()); }
 
 template <int Dim>
 class ListBuilder {
@@ -33,33 +38,40 @@ class ListBuilder {
   /// Lists of items begin .. result (in the same row and near each other along x).
   std::uint32_t build_group(std::uint32_t begin, std::uint32_t end, Lists& lists, std::uint32_t buffer,
                             std::size_t& used) const {
-    const Cells& cells = items_.cells();
-    const std::uint32_t row = cells.row(items_.y[begin], items_.z[begin]);
+    const std::uint32_t row = row_of(begin);
     const int first = cell_x(begin);
-    int last = first;
     std::uint32_t next = begin + 1;
-    for (; next < end && next - begin < kGroup; ++next) {
-      if (cells.row(items_.y[next], items_.z[next]) != row || cell_x(next) > first + static_cast<int>(Cells::kFine))
-        break;
-      last = cell_x(next);
-    }
-    Window windows[18];
-    const int count = find_windows(row, first, last, windows);
-    std::size_t candidates = 0;
-    for (int w = 0; w < count; ++w) candidates += windows[w].end - windows[w].begin;
-    auto& out = lists.buffer[buffer];
-    const std::size_t needed = used + (next - begin) * (candidates + 2 * Lists::kPad);
-    if (out.size() < needed) out.resize(needed + needed / 4);
-    for (std::uint32_t i = begin; i < next; ++i) {
-      const bool sample = items_.source[i] & Neighbourhood::kSample;
-      std::uint32_t* list = out.data() + used;
-      const std::uint32_t n = sample ? filter<true>(i, windows, count, list) : filter<false>(i, windows, count, list);
-      lists.start[i] = static_cast<std::uint32_t>(used);
-      lists.count[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(n, 65535));
-      const hn::CappedTag<std::uint32_t, 16> u;
-      for (std::uint32_t k = 0; k < Lists::kPad; k += static_cast<std::uint32_t>(hn::MaxLanes(u)))
-        hn::StoreU(hn::Set(u, i), u, list + n + k);
-      used += (n + kLanes - 1) / kLanes * kLanes;
+    for (; next < end && next - begin < kGroup; ++next)
+      if (row_of(next) != row || cell_x(next) > first + static_cast<int>(Cells::kFine)) break;
+    Windows windows = find_windows(row, first, cell_x(next - 1));
+    reserve(lists.buffer[buffer], used, next - begin, windows);
+    for (std::uint32_t i = begin; i < next; ++i) add_list(i, windows, lists, buffer, used);
+    if (lists.measure) lists.group[begin] = static_cast<std::uint8_t>(next - begin);
+    return next;
+  }
+
+  /// The same where lists are kept: only those whose pairs may have changed are made again, behind the others of their
+  /// buffer if they have become too long for their place. Adds to their number.
+  std::uint32_t mend_group(std::uint32_t begin, Lists& lists, std::uint32_t buffer, std::size_t& used,
+                           std::uint64_t& made_again) const {
+    const std::uint32_t next = begin + lists.group[begin];
+    const float moved = static_cast<float>(2 * lists.moved);
+    const auto outdated = [&](std::uint32_t i) { return lists.good_until[i] <= moved; };
+    std::uint32_t i = begin;
+    while (i < next && !outdated(i)) ++i;
+    if (i == next) return next;
+    const Windows windows = find_windows(row_of(begin), cell_x(begin), cell_x(next - 1));
+    reserve(lists.buffer[buffer], used, next - begin, windows);
+    for (; i < next; ++i) {
+      if (!outdated(i)) continue;
+      ++made_again;
+      const std::uint32_t place = lists.start[i], room = padded(lists.count[i]);
+      add_list(i, windows, lists, buffer, used);
+      if (padded(lists.count[i]) > room) continue;
+      auto& out = lists.buffer[buffer];
+      std::copy_n(out.data() + lists.start[i], padded(lists.count[i]), out.data() + place);
+      used = lists.start[i];
+      lists.start[i] = place;
     }
     return next;
   }
@@ -69,54 +81,90 @@ class ListBuilder {
     std::uint32_t begin, end;
   };
 
+  struct Windows {
+    Window of[18];
+    int count = 0;
+  };
+
+  static std::uint32_t padded(std::uint32_t n) { return (n + kLanes - 1) / kLanes * kLanes; }
+
+  std::uint32_t row_of(std::uint32_t item) const { return items_.cells().row(items_.y[item], items_.z[item]); }
+
   int cell_x(std::uint32_t item) const {
     return static_cast<int>(Cells::along(items_.x[item], items_.cells().count[0]));
   }
 
+  /// Room in the buffer for `items` lists of all that the windows show.
+  static void reserve(std::vector<std::uint32_t>& out, std::size_t used, std::uint32_t items, const Windows& windows) {
+    std::size_t candidates = 0;
+    for (int w = 0; w < windows.count; ++w) candidates += windows.of[w].end - windows.of[w].begin;
+    const std::size_t needed = used + items * (candidates + 2 * Lists::kPad);
+    if (out.size() < needed) out.resize(needed + needed / 4);
+  }
+
+  void add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t buffer, std::size_t& used) const {
+    std::uint32_t* list = lists.buffer[buffer].data() + used;
+    const bool sample = items_.source[i] & Neighbourhood::kSample;
+    float room = 0;
+    std::uint32_t n;
+    if (lists.measure) {
+      n = sample ? filter<true, true>(i, windows, list, room) : filter<false, true>(i, windows, list, room);
+      lists.good_until[i] = room + static_cast<float>(2 * lists.moved);
+    } else {
+      n = sample ? filter<true, false>(i, windows, list, room) : filter<false, false>(i, windows, list, room);
+    }
+    lists.start[i] = static_cast<std::uint32_t>(used);
+    lists.count[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(n, 65535));
+    const hn::CappedTag<std::uint32_t, 16> u;
+    for (std::uint32_t k = 0; k < Lists::kPad; k += static_cast<std::uint32_t>(hn::MaxLanes(u)))
+      hn::StoreU(hn::Set(u, i), u, list + n + k);
+    used += padded(n);
+  }
+
   /// Ranges of items in the rows around `row`, between the cells first and last along x widened by the support.
-  int find_windows(std::uint32_t row, int first, int last, Window* windows) const {
+  Windows find_windows(std::uint32_t row, int first, int last) const {
+    Windows windows;
     const Cells& cells = items_.cells();
     const int ny = static_cast<int>(cells.count[1]), nz = static_cast<int>(cells.count[2]);
     const int cy = static_cast<int>(row) % ny, cz = static_cast<int>(row) / ny;
     const int reach_y = Dim == 2 ? 0 : 1;
-    int count = 0;
     for (int dz = -1; dz <= 1; ++dz)
       for (int dy = -reach_y; dy <= reach_y; ++dy) {
         int y2 = cy + dy, z2 = cz + dz;
         if (cells.periodic[1]) y2 = (y2 + ny) % ny;
         if (cells.periodic[2]) z2 = (z2 + nz) % nz;
         if (y2 < 0 || z2 < 0 || y2 >= ny || z2 >= nz) continue;
-        count = add_windows(z2 * ny + y2, first - static_cast<int>(Cells::kFine), last + static_cast<int>(Cells::kFine),
-                            windows, count);
+        add_windows(z2 * ny + y2, first - static_cast<int>(Cells::kFine), last + static_cast<int>(Cells::kFine),
+                    windows);
       }
-    return count;
+    return windows;
   }
 
-  int add_windows(int row, int first, int last, Window* windows, int count) const {
+  void add_windows(int row, int first, int last, Windows& windows) const {
     if (items_.cells().periodic[0]) {
-      if (last - first >= nx_ - 1) return add_window(row, 0, nx_ - 1, windows, count);
+      if (last - first >= nx_ - 1) return add_window(row, 0, nx_ - 1, windows);
       if (first < 0) {
-        count = add_window(row, first + nx_, nx_ - 1, windows, count);
+        add_window(row, first + nx_, nx_ - 1, windows);
         first = 0;
       } else if (last >= nx_) {
-        count = add_window(row, 0, last - nx_, windows, count);
+        add_window(row, 0, last - nx_, windows);
         last = nx_ - 1;
       }
     }
-    return add_window(row, std::max(first, 0), std::min(last, nx_ - 1), windows, count);
+    add_window(row, std::max(first, 0), std::min(last, nx_ - 1), windows);
   }
 
-  int add_window(int row, int first, int last, Window* windows, int count) const {
-    if (!items_.row_filled(static_cast<std::size_t>(row))) return count;
+  void add_window(int row, int first, int last, Windows& windows) const {
+    if (!items_.row_filled(static_cast<std::size_t>(row))) return;
     const std::uint32_t* start =
         items_.cell_start().data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_ + 1);
     const Window w{start[first], start[last + 1]};
-    if (w.begin < w.end) windows[count++] = w;
-    return count;
+    if (w.begin < w.end) windows.of[windows.count++] = w;
   }
 
-  template <bool FluidOnly>
-  HWY_INLINE std::uint32_t filter(std::uint32_t item, const Window* windows, int count, std::uint32_t* list) const {
+  /// The list, and with Measure in `room` how much nearer or farther (m) any two items may come before it changes.
+  template <bool FluidOnly, bool Measure>
+  HWY_INLINE std::uint32_t filter(std::uint32_t item, const Windows& windows, std::uint32_t* list, float& room) const {
     const FW f;
     const IW s;
     const UW u;
@@ -127,11 +175,13 @@ class ListBuilder {
     const auto qx = hn::Set(f, distances_.qx), qy = hn::Set(f, distances_.qy), qz = hn::Set(f, distances_.qz);
     const auto support2 = hn::Set(f, support2_);
     const auto self = hn::Set(u, item);
+    auto gap = support2;  // smallest difference of a squared distance to the squared support
     std::uint32_t n = 0;
-    for (int w = 0; w < count; ++w) {
-      const auto end = hn::Set(u, windows[w].end);
-      auto index = hn::Add(hn::Iota(u, 0), hn::Set(u, windows[w].begin));
-      for (std::uint32_t j = windows[w].begin; j < windows[w].end; j += lanes) {
+    for (int w = 0; w < windows.count; ++w) {
+      const Window& window = windows.of[w];
+      const auto end = hn::Set(u, window.end);
+      auto index = hn::Add(hn::Iota(u, 0), hn::Set(u, window.begin));
+      for (std::uint32_t j = window.begin; j < window.end; j += lanes) {
         const auto dx = hn::Mul(hn::ConvertTo(f, hn::Sub(x, hn::BitCast(s, hn::LoadU(u, &items_.x[j])))), qx);
         const auto dz = hn::Mul(hn::ConvertTo(f, hn::Sub(z, hn::BitCast(s, hn::LoadU(u, &items_.z[j])))), qz);
         auto r2 = hn::MulAdd(dz, dz, hn::Mul(dx, dx));
@@ -139,17 +189,26 @@ class ListBuilder {
           const auto dy = hn::Mul(hn::ConvertTo(f, hn::Sub(y, hn::BitCast(s, hn::LoadU(u, &items_.y[j])))), qy);
           r2 = hn::MulAdd(dy, dy, r2);
         }
-        auto near = hn::And(hn::RebindMask(u, hn::Lt(r2, support2)), hn::Lt(index, end));
+        auto candidate = hn::Lt(index, end);
         if constexpr (FluidOnly) {
           const auto from = hn::LoadU(u, &items_.source[j]);
-          near = hn::And(near, hn::Lt(from, hn::Set(u, Neighbourhood::kSample)));
+          candidate = hn::And(candidate, hn::Lt(from, hn::Set(u, Neighbourhood::kSample)));
         } else {
-          near = hn::And(near, hn::Ne(index, self));
+          candidate = hn::And(candidate, hn::Ne(index, self));
         }
+        const auto near = hn::And(hn::RebindMask(u, hn::Lt(r2, support2)), candidate);
+        if constexpr (Measure)
+          gap = hn::IfThenElse(hn::RebindMask(f, candidate), hn::Min(gap, hn::Abs(hn::Sub(r2, support2))), gap);
         hn::StoreU(hn::Compress(index, near), u, list + n);
         n += static_cast<std::uint32_t>(hn::CountTrue(u, near));
         index = hn::Add(index, hn::Set(u, lanes));
       }
+    }
+    if constexpr (Measure) {
+      // |r - H| = |r^2 - H^2| / (r + H) with r up to 1.1 H; what the rounding of r^2 may hide is taken off.
+      const float support = std::sqrt(support2_);
+      const float found = hn::GetLane(hn::MinOfLanes(f, gap)) / (2.1f * support);
+      room = std::min(found, 0.1f * support) - 2e-6f * support;
     }
     return n;
   }
@@ -159,6 +218,60 @@ class ListBuilder {
   Distances distances_;
   int nx_;
 };
+
+/// All lists anew; `then` is called with the items of each group whose lists are done.
+template <int Dim, class Then>
+void SearchAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
+  Lists& lists = items.lists;
+  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
+  lists.start.resize(size);
+  lists.count.resize(size);
+  lists.buffer_of_chunk.resize(chunks);
+  if (lists.measure) lists.good_until.resize(size), lists.group.resize(size);
+  lists.used.assign(lists.buffer.size(), 0);
+  lists.moved = 0;
+#pragma omp parallel num_threads(threads)
+  {
+    const std::uint32_t self = thread_index();
+    std::size_t used = 0;
+#pragma omp for schedule(dynamic, 1)
+    for (std::uint32_t c = 0; c < chunks; ++c) {
+      lists.buffer_of_chunk[c] = self;
+      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
+      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
+        const std::uint32_t next = builder.build_group(group, end, lists, self, used);
+        then(group, next);
+        group = next;
+      }
+    }
+    lists.used[self] = used;
+  }
+  lists.used_at_first = std::accumulate(lists.used.begin(), lists.used.end(), std::size_t{0});
+  lists.valid = lists.measure;
+}
+
+/// The same where lists are kept: each thread looks after the chunks of its buffer.
+template <int Dim, class Then>
+std::uint64_t MendAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
+  Lists& lists = items.lists;
+  const std::uint32_t size = items.size();
+  std::uint64_t made_again = 0;
+#pragma omp parallel num_threads(threads) reduction(+ : made_again)
+  for (std::uint32_t buffer = thread_index(); buffer < lists.buffer.size(); buffer += thread_count()) {
+    std::size_t used = lists.used[buffer];
+    for (std::uint32_t c = 0; c < lists.buffer_of_chunk.size(); ++c) {
+      if (lists.buffer_of_chunk[c] != buffer) continue;
+      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
+      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
+        const std::uint32_t next = builder.mend_group(group, lists, buffer, used, made_again);
+        then(group, next);
+        group = next;
+      }
+    }
+    lists.used[buffer] = used;
+  }
+  return made_again;
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace ballast::fluid

@@ -29,28 +29,15 @@ template <int Dim, KernelKind K>
 void BuildAll(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
   const ListBuilder<Dim> builder(items, constants.kernel);
   const Pairs<Dim, K> pairs(items, extras, constants);
-  Lists& lists = items.lists;
-  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
-  lists.start.resize(size);
-  lists.count.resize(size);
-  lists.buffer_of_chunk.resize(chunks);
-#pragma omp parallel num_threads(constants.threads)
-  {
-    const std::uint32_t self = thread_index();
-    std::size_t used = 0;
-#pragma omp for schedule(dynamic, 1)
-    for (std::uint32_t c = 0; c < chunks; ++c) {
-      lists.buffer_of_chunk[c] = self;
-      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
-      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
-        const std::uint32_t next = builder.build_group(group, end, lists, self, used);
-        if (pressure)
-          for (std::uint32_t i = group; i < next; ++i)
-            if (!(items.source[i] & Neighbourhood::kSample)) pressure[items.source[i]] = pairs.advanced_pressure(i);
-        group = next;
-      }
-    }
-  }
+  const auto advance = [&](std::uint32_t begin, std::uint32_t end) {
+    if (!pressure) return;
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (!(items.source[i] & Neighbourhood::kSample)) pressure[items.source[i]] = pairs.advanced_pressure(i);
+  };
+  if (items.lists.valid)
+    items.count_kept(MendAll(items, builder, constants.threads, advance));
+  else
+    SearchAll(items, builder, constants.threads, advance);
 }
 
 template <int Dim, KernelKind K>

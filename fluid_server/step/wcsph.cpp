@@ -29,6 +29,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
   facts_before_ = facts_;
   lost_before_ = lost_, energy_lost_before_ = energy_lost_;
   std::swap(particles_, before_);
+  const double searching_since = times_.sort + times_.pressure;
   {
     const AddingWatch watch(times_.sort);
     samples_->place(states, coordinates_, constants_.threads);
@@ -37,6 +38,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     prepare_extras();
   }
   remember();
+  const bool order_kept = items_->lists.valid;
   if (implicit_) {
     const AddingWatch watch(times_.pressure);
     build_lists(*items_, constants_);
@@ -47,6 +49,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     for (std::size_t f = 0; f < particles_.size(); ++f)
       particles_.record[f].p = items_->record[items_->fluid_item[f]].p = pressure_[f];
   }
+  items_->searches.add(order_kept, times_.sort + times_.pressure - searching_since);
   if (constants_.ram_on_samples) {
     const AddingWatch watch(times_.boundary);
     response_->place_normals(*items_, states, extras_);

@@ -92,6 +92,7 @@ class WcsphFluid {
   const Filled& filled() const { return filled_; }
   const RelaxReport& relax_report() const { return relax_report_; }
   const StageTimes& times() const { return times_; }
+  const SearchCounts& searches() const { return items_->searches; }
   const IdleSamples& idle_samples() const { return idle_; }
   const FluidProperties& fluid_of(std::uint32_t id) const;
   double spacing() const { return spacing_; }

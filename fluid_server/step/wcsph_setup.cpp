@@ -143,6 +143,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.filled_.ghosts = {};
   self.items_ = std::make_unique<Neighbourhood>(self.coordinates_, kernel.support, kernel.dimension, threads);
   self.items_->set_static_samples(self.samples_->fixed());
+  self.items_->may_keep = scene.numerics.skip_search;
   std::vector<Vec3> buoyancy(bodies.size(), Vec3::Zero());
   if (scene.numerics.reduced_gravity)
     for (std::size_t b = 0; b < bodies.size(); ++b)
