@@ -61,6 +61,15 @@ void Response::place_normals(const Neighbourhood& items, std::span<const exchang
   }
 }
 
+/// By how much the velocity of the fluid that a sample sees is taken to go on beyond the surface, where it is that of
+/// the body: linearly, depth over height. Where no side of the surface can be told (a plate thinner than the samples
+/// reach, a rim) as much on the one side as on the other.
+float Response::mirror(float depth, float height) const {
+  constexpr float kTooLow = 0.1f, kMost = 12;  // spacings; share
+  if (height < kTooLow * static_cast<float>(spacing_)) return 1;
+  return std::min(depth / height, kMost);
+}
+
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
@@ -88,14 +97,16 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
     wet.area = -volume * Eigen::Vector3f::Map(sum.g);
     wet.force = -volume * Eigen::Vector3f::Map(sum.pg);
     if (constants.viscous) {
-      const Eigen::Vector3f own(record.vx, record.vy, record.vz);
-      const Eigen::Vector3f seen = 2.f * own - Eigen::Vector3f::Map(sum.wv) / sum.w;
+      const Eigen::Vector3f normal = q.cast<float>() * samples_.normal[sample], depth = samples_.depth[sample] * normal;
+      const Eigen::Vector3f spin = Vec3::Map(state.angular_velocity).cast<float>();
+      const Eigen::Vector3f surface = Eigen::Vector3f(record.vx, record.vy, record.vz) + spin.cross(depth);
+      const float height = -normal.dot(Eigen::Vector3f::Map(sum.wd)) / sum.w - samples_.depth[sample];
+      wet.mirror = mirror(samples_.depth[sample], height);
+      const Eigen::Vector3f seen = surface + wet.mirror * (surface - Eigen::Vector3f::Map(sum.wv) / sum.w);
       extras.viscous[item] = {seen[0], seen[1], seen[2], -1.f};
       const Eigen::Vector3f drag = volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
       wet.force += drag;
       // Both act at the surface; the pairs' sum is mu du/dn and lacks mu (grad u)^T n, which is mu n x spin on a body.
-      const Eigen::Vector3f depth = samples_.depth[sample] * (q.cast<float>() * samples_.normal[sample]);
-      const Eigen::Vector3f spin = Vec3::Map(state.angular_velocity).cast<float>();
       const Eigen::Vector3f turned = 2 * sum.wmu / sum.w * spin.cross(wet.area);
       wet.couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
     }
@@ -112,8 +123,9 @@ double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleS
     Eigen::Matrix<double, 3, 6> velocity;  // of the sample, from the body's twist
     velocity.leftCols<3>().setIdentity();
     for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(arm);
-    // What a sample is taken to move at changes twice as much as it does: 2 v_b - v_fluid.
-    drag[samples_.body[sample]] -= 2 * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
+    // What a sample is taken to move at changes more than it does: v + mirror (v - v_fluid).
+    drag[samples_.body[sample]] -=
+        (1 + wet_[sample].mirror) * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
   }
   double fastest = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {

@@ -90,8 +90,10 @@ class Response {
     Eigen::Vector3f reach;                             // sum V W rho (x_b - x_k) / sum V W
     Eigen::Vector3f area;                              // S: force per unit pressure
     Eigen::Vector3f force;                             // what does not depend on p_b
+    float mirror = 1;                                  // see mirror(); viscous fluids only
     Eigen::Vector3f couple = Eigen::Vector3f::Zero();  // torque of viscous forces beside that of `force` at `arm`
   };
+  float mirror(float depth, float height) const;
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                const PassConstants& constants, std::span<const exchange::BodyState> states);
   /// Q: minus the wrench by the pressure of the samples per acceleration of the body.

@@ -62,7 +62,8 @@ class Pairs {
     const F d;
     const VF zero = hn::Zero(d);
     VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
-       pz = zero, wvx = zero, wvy = zero, wvz = zero, wmu = zero, a = zero, ax = zero, ay = zero, az = zero;
+       pz = zero, wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, wmu = zero, a = zero,
+       ax = zero, ay = zero, az = zero;
     VF nearest2 = hn::Set(d, kernel_.support2);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
@@ -89,6 +90,9 @@ class Pairs {
         const VF mu_g = hn::Mul(hn::Add(viscous.d, viscous.d), vg);
         a = hn::Add(a, mu_g);
         wmu = hn::MulAdd(vw, viscous.d, wmu);
+        wdx = hn::MulAdd(vw, r.x, wdx);
+        wdy = hn::MulAdd(vw, r.y, wdy);
+        wdz = hn::MulAdd(vw, r.z, wdz);
         ax = hn::MulAdd(mu_g, motion.a, ax);
         ay = hn::MulAdd(mu_g, motion.b, ay);
         az = hn::MulAdd(mu_g, motion.c, az);
@@ -103,6 +107,7 @@ class Pairs {
          {total(gx), total(gy), total(gz)},
          {total(px), total(py), total(pz)},
          {total(wvx), total(wvy), total(wvz)},
+         {total(wdx), total(wdy), total(wdz)},
          total(wmu),
          total(a),
          {total(ax), total(ay), total(az)},

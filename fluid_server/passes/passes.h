@@ -51,6 +51,7 @@ struct SampleSums {
   float g[3];     ///< sum V_k g (x_b - x_k)
   float pg[3];    ///< sum V_k (p_k + q_k) g (x_b - x_k), q the dissipation of approaching pairs
   float wv[3];    ///< sum V_k W v_k            (viscous only)
+  float wd[3];    ///< sum V_k W (x_b - x_k)    (viscous only)
   float wmu;      ///< sum V_k W mu_k           (viscous only)
   float a;        ///< sum V_k 2 mu g           (viscous only)
   float av[3];    ///< sum V_k 2 mu g v_k       (viscous only)
