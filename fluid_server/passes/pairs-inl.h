@@ -195,7 +195,8 @@ class Pairs {
             {total(gx), total(gy), total(gz)},
             std::sqrt(hn::GetLane(hn::MaxOfLanes(d, fastest))),
             total(full) / Dim,
-            total(solid) / Dim};
+            total(solid) / Dim,
+            0};
   }
 
   /// What a row of the pressure system needs. Keeps the pairs' gradients, their sum, and W of the pairs with samples.

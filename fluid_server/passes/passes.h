@@ -102,6 +102,7 @@ struct Unevenness {
   float speed;     ///< largest of a neighbour (a particle) against it, m/s
   float fullness;  ///< -sum V_j g r^2 over the dimension: 1 inside, less at a surface
   float solid;     ///< the part of it that samples make
+  float share;     ///< of its push that the particle may follow; set later
 };
 void find_unevenness(const Neighbourhood& items, const PassConstants& constants, double spacing,
                      std::vector<Unevenness>& out);

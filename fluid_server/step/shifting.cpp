@@ -15,29 +15,79 @@ constexpr float kFarthest = 0.05f;  // d, in a step
 constexpr float kSurface = 0.92f, kInside = 0.96f;  // fullness of a particle that is not moved, that is
 constexpr float kSolid = 0.02f;  // share of solids in its surroundings that keeps a particle where it is
 
+Vec3 velocity(const Record& r) { return {r.vx, r.vy, r.vz}; }
+
 }  // namespace
 
-void Shifting::find(const Neighbourhood& items, const PassConstants& constants) {
-  find_unevenness(items, constants, spacing_, uneven_);
+/// Pushes become moves. Their mean, and the mean velocity, weighted by how much a particle may move.
+Shifting::Frame Shifting::limit_moves(const Neighbourhood& items, const ItemExtras& extras,
+                                      const PassConstants& constants) {
   const float d = static_cast<float>(spacing_),
               rate = kStrength * static_cast<float>(constants.kernel.h()) * constants.dt;
+  const auto sums = sum_blocks<7>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
+    std::array<double, 7> sum{};
+    for (std::size_t f = begin; f < end; ++f) {
+      Unevenness& u = uneven_[f];
+      u.share = std::clamp((u.fullness - kSurface) / (kInside - kSurface), 0.f, 1.f) *
+                std::clamp(1 - u.solid / kSolid, 0.f, 1.f);
+      auto move = Eigen::Vector3f::Map(u.push);
+      move *= u.share * std::min(rate * u.speed, kOvershoot * d * d);
+      if (const float length = move.norm(); length > kFarthest * d) move *= kFarthest * d / length;
+      const std::uint32_t item = items.fluid_item[f];
+      const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
+      Vec3::Map(&sum[0]) += mass * move.cast<double>();
+      Vec3::Map(&sum[3]) += mass * u.share * velocity(items.record[item]);
+      sum[6] += mass * u.share;
+    }
+    return sum;
+  });
+  if (sums[6] <= 0) return {};
+  return {Vec3::Map(&sums[0]) / sums[6], Vec3::Map(&sums[3]) / sums[6]};
+}
+
+/// Moves m of particles of momentum p change the angular momentum by the sum of m x p. Taking share (move + (v -
+/// velocity) x turn) from each keeps it, and the centre of mass, whatever the origin and the frame.
+Vec3 Shifting::find_turn(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                         const Frame& frame) const {
+  const auto sums = sum_blocks<9>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
+    std::array<double, 9> sum{};
+    for (std::size_t f = begin; f < end; ++f) {
+      const Unevenness& u = uneven_[f];
+      const std::uint32_t item = items.fluid_item[f];
+      const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
+      const Vec3 v = velocity(items.record[item]) - frame.velocity;
+      const Vec3 move = Eigen::Vector3f::Map(u.push).cast<double>() - u.share * frame.move;
+      Vec3::Map(&sum[0]) += mass * move.cross(v);
+      // |v|^2 I - v v^T, its upper triangle
+      const double w = mass * u.share;
+      sum[3] += w * (v[1] * v[1] + v[2] * v[2]), sum[4] += w * (v[0] * v[0] + v[2] * v[2]);
+      sum[5] += w * (v[0] * v[0] + v[1] * v[1]);
+      sum[6] -= w * v[0] * v[1], sum[7] -= w * v[0] * v[2], sum[8] -= w * v[1] * v[2];
+    }
+    return sum;
+  });
+  Eigen::Matrix3d a;
+  a << sums[3], sums[6], sums[7], sums[6], sums[4], sums[8], sums[7], sums[8], sums[5];
+  return a.completeOrthogonalDecomposition().solve(Vec3::Map(&sums[0]));
+}
+
+void Shifting::find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants) {
+  find_unevenness(items, constants, spacing_, uneven_);
+  const Frame frame = limit_moves(items, extras, constants);
+  const Vec3 turn = find_turn(items, extras, constants, frame);
   std::vector<float> longest((uneven_.size() + kSumBlock - 1) / kSumBlock, 0.f);
   const auto [dense, moved, volume] =
       sum_blocks<3>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
         std::array<double, 3> sum{};
         for (std::size_t f = begin; f < end; ++f) {
           Unevenness& u = uneven_[f];
-          const float inside = std::clamp((u.fullness - kSurface) / (kInside - kSurface), 0.f, 1.f) *
-                               std::clamp(1 - u.solid / kSolid, 0.f, 1.f);
+          const Record& own = items.record[items.fluid_item[f]];
           auto move = Eigen::Vector3f::Map(u.push);
-          move *= inside * std::min(rate * u.speed, kOvershoot * d * d);
-          const float length = move.norm();
-          if (length > kFarthest * d) move *= kFarthest * d / length;
-          const float own = items.record[items.fluid_item[f]].volume;
+          move -= (u.share * (frame.move + (velocity(own) - frame.velocity).cross(turn))).cast<float>();
           // The sum over particles of V_i V_j (m_i - m_j).g r, pairs of particles taken together.
-          sum[0] += own * move.dot(Eigen::Vector3f::Map(u.dense));
-          sum[1] += std::min(length, kFarthest * d), sum[2] += own;
-          longest[begin / kSumBlock] = std::max(longest[begin / kSumBlock], std::min(length, kFarthest * d));
+          sum[0] += own.volume * move.dot(Eigen::Vector3f::Map(u.dense));
+          sum[1] += move.norm(), sum[2] += own.volume;
+          longest[begin / kSumBlock] = std::max(longest[begin / kSumBlock], move.norm());
         }
         return sum;
       });

@@ -23,8 +23,9 @@ class Shifting {
 
   /// Lists and records are those of the step. Finds the moves, and by how much they spread the fluid out: pressure
   /// follows the velocities, so that what shifting undoes would pile up as pressure. Their mean is given back:
-  /// `expansion`, the share of its density that the fluid loses.
-  void find(const Neighbourhood& items, const PassConstants& constants);
+  /// `expansion`, the share of its density that the fluid loses. The centre of mass stays where it is, and the angular
+  /// momentum what it is.
+  void find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants);
   /// Move of a particle, m.
   Eigen::Vector3f move(std::size_t particle) const { return Eigen::Vector3f::Map(uneven_[particle].push); }
   float expansion() const { return expansion_; }
@@ -38,6 +39,15 @@ class Shifting {
   }
 
  private:
+  /// Means over what may move.
+  struct Frame {
+    Vec3 move = Vec3::Zero();      // m
+    Vec3 velocity = Vec3::Zero();  // m/s
+  };
+  Frame limit_moves(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants);
+  Vec3 find_turn(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                 const Frame& frame) const;
+
   double spacing_;
   std::vector<Unevenness> uneven_;  // `push` becomes the move
   float expansion_ = 0;

@@ -119,7 +119,7 @@ void WcsphFluid::move() {
     for (const Barrier::Push& push : barrier_->pushes())
       Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
     if (attraction_rate_ > 0) attract();
-    if (shifting_) shifting_->find(*items_, constants_);
+    if (shifting_) shifting_->find(*items_, extras_, constants_);
     const double dt = constants_.dt;
     const float stiffness = constants_.sound_speed * constants_.sound_speed;
     double speed2 = 0, acceleration2 = 0, check = 0;

@@ -172,7 +172,6 @@ def settling(run: Outcome) -> float:
 
 SPHERES = Case(
     id="B8",
-    why="the drag of a sphere 6 to 10 spacings wide is too small by 29, 16, 9 % at 6, 8, 12 spacings: it converges with order 2 to 1.3, too far away",
     title="Periodic array of sinking spheres: drag",
     scene="report/periodic_sphere",
     about="A sphere in a periodic box 2.688 diameters wide, Reynolds number 0.05, after 1.5 s (six times the time that viscosity needs "

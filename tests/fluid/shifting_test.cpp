@@ -70,6 +70,23 @@ TEST(Shifting, MovesWithoutTouchingMomentum) {
   EXPECT_LT(m.momentum.norm(), 1e-4 * m.mass) << "of 1 m/s";
 }
 
+TEST(Shifting, KeepsTheAngularMomentumOfAPatchThatTurns) {
+  Scene scene = sheared(When::kAlways);
+  scene.world.periodic = {false, false, false};
+  scene.world.domain = Box3{{-1, -1, -1}, {2, 1, 2}};
+  scene.fluids[0].vortex_speed = 0;
+  scene.fluids[0].viscosity = 0;
+  scene.fluids[0].velocity = {0.5, 0, 0};
+  scene.fluids[0].angular_velocity = {0, 1, 0};
+  Flowing flow(scene);
+  const Measures before = flow.fluid->measure();
+  flow.run(1);
+  const Measures after = flow.fluid->measure();
+  EXPECT_GT(flow.fluid->shifting()->largest, 0.002) << "this test had no power: nothing was shifted";
+  EXPECT_NEAR(after.angular_momentum[1], before.angular_momentum[1], 1e-5 * std::abs(before.angular_momentum[1]));
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-5 * before.momentum.norm());
+}
+
 /// The mean pressure follows the mean summed density with shifting, as it does without.
 TEST(Shifting, UndoesNoCompressionInSecret) {
   Flowing flow(sheared(When::kAlways));
