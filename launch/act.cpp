@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <span>
 
 #include "common/scene/nearest.h"
+#include "common/scene/reader.h"
 
 namespace ballast::launch {
 
@@ -20,6 +22,7 @@ namespace {
 struct Wanted {
   const RunCommand& command;
   const Scene& scene;
+  const std::vector<Body>& bodies;
 
   std::optional<std::string> body(exchange::Command& out) const {
     std::vector<std::string> names;
@@ -50,6 +53,22 @@ std::optional<std::string> off_plane(const char* what, bool flat, std::span<cons
   return {};
 }
 
+constexpr double kMostAcceleration = 1e6;  // m/s^2, rad/s^2; as scenes allow
+
+/// A push beyond all sense tears the fluid apart, and its reason is not to be seen in the wreck.
+std::optional<std::string> too_strong(const Body& body, const RunCommand& c) {
+  const double linear = Vec3::Map(c.force.data()).stableNorm() / body.mass;
+  if (linear > kMostAcceleration)
+    return fmt::format("the force would accelerate '{}' ({:.4g} kg) by {:.3g} m/s^2, more than {:g}", c.body, body.mass,
+                       linear, kMostAcceleration);
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()[0];
+  const double angular = Vec3::Map(c.torque.data()).stableNorm() / least;
+  if (least > 0 && angular > kMostAcceleration)
+    return fmt::format("the torque would accelerate '{}' by up to {:.3g} rad/s^2, more than {:g}", c.body, angular,
+                       kMostAcceleration);
+  return {};
+}
+
 std::optional<std::string> wrench(const Wanted& w, exchange::Command& out) {
   const RunCommand& c = w.command;
   out.kind = CommandKind::kWrench;
@@ -61,7 +80,10 @@ std::optional<std::string> wrench(const Wanted& w, exchange::Command& out) {
   if (!(c.duration > 0) || !std::isfinite(c.duration))
     return fmt::format("a duration of {} s is not a time greater than 0", c.duration);
   if (auto why = off_plane("the force", w.flat(), c.force, false)) return why;
-  return off_plane("the torque", w.flat(), c.torque, true);
+  if (auto why = off_plane("the torque", w.flat(), c.torque, true)) return why;
+  if (c.force == std::array<double, 3>{} && c.torque == std::array<double, 3>{})
+    return "it has neither a force nor a torque";
+  return too_strong(w.bodies[out.body], c);
 }
 
 std::optional<std::string> pose(const Wanted& w, exchange::Command& out) {
@@ -91,6 +113,8 @@ std::optional<std::string> gravity(const Wanted& w, exchange::Command& out) {
   std::ranges::copy(w.command.gravity, out.values);
   if (auto why = unusable("the gravity", w.command.gravity)) return why;
   if (auto why = off_plane("the gravity", w.flat(), w.command.gravity, false)) return why;
+  if (const double g = Vec3::Map(w.command.gravity.data()).stableNorm(); g > kMostAcceleration)
+    return fmt::format("a gravity of {:.3g} m/s^2 is more than {:g}", g, kMostAcceleration);
   if (w.scene.numerics.reduced_gravity)
     return "the fluid of this scene feels no gravity that could be changed (numerics.reduced_gravity)";
   return {};
@@ -104,7 +128,7 @@ bool acts(const RunCommand& command) {
 
 Result<exchange::Command> to_exchange(const RunCommand& command, const Prepared& prepared) {
   exchange::Command out{};
-  const Wanted wanted{command, prepared.scene};
+  const Wanted wanted{command, prepared.scene, prepared.bodies};
   std::optional<std::string> why;
   if (command.action != "gravity") why = wanted.body(out);
   if (!why)
@@ -178,9 +202,32 @@ std::string Act::result(const exchange::Frame& frame) {
                      entry.contains("body") ? " of '" + entry["body"].get<std::string>() + "'" : "", frame.reason());
 }
 
-void Act::close() {
-  for (std::size_t i = 0; i < place_.size(); ++i)
-    if (!answered_[i]) book_.entry(place_[i])["refused"] = "the run ended before it took effect";
+void Act::close(bool failed) {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (answered_[i]) continue;
+    json& entry = book_.entry(place_[i]);
+    if (failed)  // its answer comes with a step's report, and that step may be the one that failed
+      entry["unanswered"] = "the run failed before it said whether this took effect";
+    else
+      entry["refused"] = "the run ended before it took effect";
+  }
+}
+
+std::string motion_hash(Scene scene) {
+  Output output;
+  output.every = scene.output.every;  // steps end there
+  scene.output = output;
+  scene.probes.clear(), scene.expects.clear();
+  return fmt::format("{:016x}", scene_hash(scene));
+}
+
+Status same_motion(const Replay& replay, const Scene& scene) {
+  if (replay.motion_hash == motion_hash(scene)) return ok();
+  return Error{
+      fmt::format("the record is not of this scene{}",
+                  replay.motion_hash.empty() ? ", or of another version of Ballast" : ""),
+      "give the scene and the options of the first run: from another start the same commands do something else",
+      "--replay"};
 }
 
 Result<Replay> read_replay(const std::string& record_file) {
@@ -188,6 +235,8 @@ Result<Replay> read_replay(const std::string& record_file) {
   if (!file) return Error{"cannot read the record " + record_file, "check the path", "--replay"};
   const json record = json::parse(file, nullptr, false);
   Replay replay;
+  if (record.is_object() && record.contains("motion_hash") && record["motion_hash"].is_string())
+    replay.motion_hash = record["motion_hash"];
   const auto damaged = [&](const char* key) {
     return Error{fmt::format("{} has '{}' in a form that no record has", record_file, key), "take another record",
                  "--replay"};

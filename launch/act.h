@@ -35,7 +35,8 @@ class Act {
   /// A frame of kind kCommand.
   std::string result(const exchange::Frame& frame);
   /// The run has ended: what has not been answered came too late.
-  void close();
+  /// The run has ended; `failed`: with an error.
+  void close(bool failed);
 
  private:
   exchange::Control& control_;
@@ -53,7 +54,12 @@ struct Replay {
   };
   std::optional<std::uint64_t> stop_after;  ///< step after which a command ended the run
   std::vector<At> commands;                 ///< those that took effect, in order
+  std::string motion_hash;                  ///< of the run's scene; empty: the record has none
 };
+/// Hash of all of a scene that its motion hangs on: not what is written, probes and expectations.
+std::string motion_hash(Scene scene);
+/// Refuses to replay a run of another scene.
+Status same_motion(const Replay& replay, const Scene& scene);
 Result<Replay> read_replay(const std::string& record_file);
 
 }  // namespace ballast::launch

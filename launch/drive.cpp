@@ -247,6 +247,7 @@ class Driver {
                                                     own.wait_s};
     }
     s.warnings = collector_.warnings().size();
+    s.run = getpid();
     s.obeys = options_.commands != nullptr;
     s.exit_code = outcome_.exit;
     return s;
@@ -330,7 +331,7 @@ class Driver {
     outcome_.total_s = elapsed();
     if (outcome_.interrupted) fail(kProcessFailed, "stopped by " + outcome_.stopped_by);
     if (commanded_) outcome_.stopped_after = done().step;
-    act_.close();
+    act_.close(outcome_.exit != kFine);
     obey_.close();
     outcome_.commands = obey_.record();
     int worst = kFine;

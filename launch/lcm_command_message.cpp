@@ -8,7 +8,7 @@ namespace ballast::launch {
 
 namespace {
 
-constexpr std::size_t kHash = 8, kSteps = 8, kNumbers = 8 * (3 + 3 + 1 + 3 + 4 + 3), kLongest = 64;
+constexpr std::size_t kHash = 8, kSteps = 8 + 8, kNumbers = 8 * (3 + 3 + 1 + 3 + 4 + 3), kLongest = 64;
 
 /// Bytes of a text at `at` as lcm-gen writes it: length with its zero (4, big-endian), text, zero. Nothing if it does
 /// not end within `size`, or holds what no action and no name of a scene has: it goes into the record, which is JSON,
@@ -35,7 +35,7 @@ std::optional<RunCommand> read_command(const void* data, std::size_t size) {
   if (!body || second + *body + kNumbers != size) return std::nullopt;
   command_t message;
   if (message.decode(data, 0, static_cast<int>(size)) != static_cast<int>(size)) return std::nullopt;
-  RunCommand c{message.action, message.steps, message.body};
+  RunCommand c{message.action, message.steps, message.run, message.body};
   c.duration = message.duration;
   std::ranges::copy(message.force, c.force.begin());
   std::ranges::copy(message.torque, c.torque.begin());

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <ballast/status_t.hpp>
 #include <chrono>
 #include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -47,6 +49,8 @@ struct CommandListener::Worker {
     const std::lock_guard lock(mutex);
     if (!command)
       ++unreadable;
+    else if (command->run != 0 && command->run != getpid())
+      return;  // another run is meant
     else if (commands.size() < kMost)
       commands.push_back(*command);
   }
@@ -90,13 +94,20 @@ namespace {
 
 /// Who is heard.
 struct Runs {
-  bool obeying = false;
-  std::string deaf;  // scene of a run that obeys no commands
+  std::map<std::int64_t, std::string> obeying;  // scenes of the runs
+  std::string deaf;                             // scene of a run that obeys no commands
   void hear(const lcm::ReceiveBuffer*, const std::string&, const status_t* status) {
-    if (status->obeys)
-      obeying = true;
+    if (status->state == "finished" || status->state == "failed")
+      obeying.erase(status->run);
+    else if (status->obeys)
+      obeying[status->run] = status->scene;
     else
       deaf = status->scene;
+  }
+  std::string list() const {
+    std::string text;
+    for (const auto& [run, scene] : obeying) text += fmt::format("{}{} ('{}')", text.empty() ? "" : ", ", run, scene);
+    return text;
   }
 };
 
@@ -112,6 +123,7 @@ int tell(const RunCommand& command, const std::string& asked) {
   command_t message;
   message.action = command.action;
   message.steps = command.steps;
+  message.run = command.run;
   message.body = command.body;
   message.duration = command.duration;
   std::ranges::copy(command.force, message.force);
@@ -120,15 +132,34 @@ int tell(const RunCommand& command, const std::string& asked) {
   std::ranges::copy(command.orientation, message.orientation);
   std::ranges::copy(command.gravity, message.gravity);
   Runs runs;
-  if (!lcm.good() || !lcm.subscribe(msgs::kStatus, &Runs::hear, &runs) || lcm.publish(msgs::kCommand, &message) != 0) {
+  if (!lcm.good() || !lcm.subscribe(msgs::kStatus, &Runs::hear, &runs)) {
     fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());
     return kProcessFailed;
   }
-  // LCM tells nobody whether a message arrived; a run says ten times a second whether it obeys.
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  while (!runs.obeying && std::chrono::steady_clock::now() < end && lcm.handleTimeout(kSlice) >= 0) {
+  // A run says ten times a second who it is: one is waited for, and then the time in which any other would be heard.
+  using Clock = std::chrono::steady_clock;
+  auto end = Clock::now() + std::chrono::seconds(2);
+  for (bool heard = false; Clock::now() < end && lcm.handleTimeout(kSlice) >= 0;) {
+    if (heard || runs.obeying.empty()) continue;
+    heard = true;
+    end = std::min(end, Clock::now() + std::chrono::milliseconds(300));
   }
-  if (runs.obeying) return kFine;
+  if (command.run != 0 && !runs.obeying.empty() && !runs.obeying.contains(command.run)) {
+    fmt::print(stderr, "ballast: --run {}: no such run obeys commands here\n  it may be: {}\n", command.run,
+               runs.list());
+    return kBadInput;
+  }
+  if (command.run == 0 && runs.obeying.size() > 1) {
+    fmt::print(stderr, "ballast: {} runs obey commands here: {}\n  say which: tell --run {} ...\n", runs.obeying.size(),
+               runs.list(), runs.obeying.begin()->first);
+    return kBadInput;
+  }
+  if (!runs.obeying.empty()) {
+    message.run = runs.obeying.size() == 1 ? runs.obeying.begin()->first : command.run;
+    if (lcm.publish(msgs::kCommand, &message) == 0) return kFine;
+    fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());
+    return kProcessFailed;
+  }
   if (runs.deaf.empty())
     fmt::print(stderr, "ballast: no run is heard at '{}'\n  start one with --lcm-commands, or give its --lcm-url\n",
                *url);

@@ -158,6 +158,7 @@ CLI::App* add_tell(CLI::App& app, launch::RunCommand& command, std::string& url)
   tell->require_subcommand(1);
   tell->fallthrough();
   tell->add_option("--lcm-url", url, "LCM URL of the run")->type_name("URL");
+  tell->add_option("--run", command.run, "process id of its coordinator, where several are heard")->type_name("PID");
   const auto action = [&](const char* name, const char* help) {
     CLI::App* one = tell->add_subcommand(name, help);
     one->callback([&command, name] { command.action = name; });
@@ -167,7 +168,9 @@ CLI::App* add_tell(CLI::App& app, launch::RunCommand& command, std::string& url)
   command.steps = 1;
   action("step", "some steps more of a run that is paused")
       ->add_option("STEPS", command.steps, "how many more")
-      ->check(CLI::PositiveNumber)
+      ->check([](const std::string& n) {
+        return n.find_first_not_of("0123456789") == n.npos && n != "0" ? "" : "steps must be 1 or more, not " + n;
+      })
       ->capture_default_str();
   action("resume", "go on after a pause");
   action("stop", "end the run in good order");

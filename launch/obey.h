@@ -12,6 +12,7 @@ namespace ballast::launch {
 struct RunCommand {
   std::string action;
   std::int64_t steps = 0;
+  std::int64_t run = 0;  ///< process id of the coordinator that is meant; 0: any
   std::string body{};
   std::array<double, 3> force{}, torque{};        ///< N, N m, world, about the centre of mass
   double duration = 0;                            ///< s

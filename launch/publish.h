@@ -15,6 +15,7 @@ namespace ballast::launch {
 
 /// How a run stands, as the coordinator knows it; becomes status_t.
 struct RunStatus {
+  int run = 0;                  ///< process id of the coordinator
   std::string state;            ///< starting, running, paused, finished, failed
   exchange::StepReport last{};  ///< of the fluid, or of the rigid process alone
   std::uint64_t steps = 0;

@@ -149,6 +149,7 @@ warning_t warning_message(exchange::Role role, const Frame& frame) {
 status_t status_message(const MessageFacts& facts, const RunStatus& s, const std::string& limit,
                         RealTimeFactor& speed) {
   status_t m;
+  m.run = s.run;
   m.scene = facts.scene;
   m.state = s.state;
   m.time = s.last.time;

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "common/scene/reader.h"
+#include "launch/act.h"
 #include "launch/savings.h"
 
 namespace ballast::launch {
@@ -204,6 +205,7 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
   const StepTotals& totals = collector.totals(prepared.fluid ? Role::kFluid : Role::kRigid);
   json record;
   record["scene"] = scene.name;
+  record["motion_hash"] = motion_hash(scene);
   record["scene_hash"] = fmt::format("{:016x}", scene_hash(scene));
   record["version"] = BALLAST_VERSION;
   record["machine"] = machine();
@@ -321,6 +323,10 @@ std::vector<std::string> summary_lines(const json& r, const std::string& out_dir
   std::vector<std::string> lines{
       fmt::format("{}: {}; exit {} ({})", r["scene"].get<std::string>(), parts, r["exit"].get<int>(), exit_text(r)),
       std::move(speed), std::move(size), std::move(errors), "outputs in " + out_dir};
+  if (r.contains("stopped_after_step"))
+    lines.insert(lines.begin() + 1,
+                 fmt::format("stopped by a command after step {}, at t = {:.4g} s",
+                             r["stopped_after_step"].get<std::uint64_t>(), r["simulated_s"].get<double>()));
   if (std::string slept = sleep_line(r); !slept.empty()) lines.insert(lines.begin() + 2, std::move(slept));
   return lines;
 }

@@ -158,6 +158,7 @@ Result<Lcm> plan_lcm(const RunOptions& options, const Prepared& prepared) {
   if (!options.replay.empty()) {
     auto replay = read_replay(options.replay);
     if (!replay) return replay.error();
+    if (Status s = same_motion(*replay, prepared.scene); !s) return s.error();
     lcm.replay = *std::move(replay);
   }
   if (!prepared.scene.output.lcm) return lcm;

@@ -2,9 +2,13 @@
 #include "monitor/tap.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "monitor/listen.h"
 #include "monitor/rows.h"
+#include "msgs/channels.h"
 
 namespace ballast::monitor {
 
@@ -57,7 +61,11 @@ int tap(const TapOptions& options) {
     fmt::print(stderr, "ballast tap: {}\n", heard.error().text());
     return heard.error().exit_code;
   }
-  if (out.messages() == 0) fmt::print(stderr, "ballast tap: no message came on {}\n", options.channel);
+  if (out.messages() == 0) {
+    const bool ours = std::ranges::find(msgs::kAll, options.channel) != std::end(msgs::kAll);
+    fmt::print(stderr, "ballast tap: no message came on {}{}\n", options.channel,
+               ours ? "" : fmt::format("\n  channels of a run: {}", fmt::join(msgs::kAll, ", ")));
+  }
   return out.exit_code();
 }
 

@@ -1,5 +1,6 @@
 // Names of the channels; each carries one type of this folder.
 #pragma once
+#include <string_view>
 
 namespace ballast::msgs {
 
@@ -12,5 +13,7 @@ inline constexpr const char* kParticles = "BALLAST_PARTICLES";  ///< particles_t
 inline constexpr const char* kWarning = "BALLAST_WARNING";      ///< warning_t
 
 inline constexpr const char* kCommand = "BALLAST_COMMAND";  ///< command_t, to a run
+/// Of a run, for lists of what there is.
+inline constexpr std::string_view kAll[] = {kStatus, kBodies, kWrenches, kContacts, kFluid, kParticles, kWarning};
 
 }  // namespace ballast::msgs

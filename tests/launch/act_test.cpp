@@ -50,6 +50,42 @@ RunCommand pull(double z) {
   return c;
 }
 
+TEST(Act, RefusesWhatWouldTearEverythingApart) {
+  const Prepared p = prepared();
+  RunCommand c = push("crate");  // 0.5 kg
+  c.force = {0, 0, 4.9e5};
+  EXPECT_TRUE(to_exchange(c, p));
+  c.force = {0, 0, 5.1e5};
+  auto refused = to_exchange(c, p);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("1.02e+06 m/s^2, more than 1e+06"));
+  c.force = {0, 0, 0}, c.torque = {0, 900, 0};  // inertia 0.5 kg (0.1 m)^2 / 6
+  refused = to_exchange(c, p);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("1.08e+06 rad/s^2"));
+  c.torque = {0, 0, 0};
+  refused = to_exchange(c, p);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("neither a force nor a torque"));
+  EXPECT_TRUE(to_exchange(pull(-1e6), p));
+  refused = to_exchange(pull(-1e40), p);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("1e+40 m/s^2 is more than 1e+06"));
+}
+
+TEST(Act, ReplaysOnlyTheSameMotion) {
+  const Scene scene = prepared().scene;
+  Replay replay;
+  replay.motion_hash = motion_hash(scene);
+  Scene watched = scene;
+  watched.output.lcm = watched.output.vtk = true;
+  EXPECT_TRUE(same_motion(replay, watched));
+  Scene heavier = scene;
+  heavier.world.gravity *= 2;
+  EXPECT_FALSE(same_motion(replay, heavier));
+  EXPECT_FALSE(same_motion({}, scene));
+}
+
 TEST(Act, MakesRecordsOfCommands) {
   const Prepared p = prepared();
   const auto wrench = to_exchange(push("crate"), p);

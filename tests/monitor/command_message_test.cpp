@@ -33,7 +33,7 @@ TEST(CommandMessage, IsReadAsItWasWritten) {
 
 TEST(CommandMessage, WithAnyByteOfItsLengthWrongIsNone) {
   const auto good = encoded("pause", 1);
-  for (const std::size_t at : {8, 9, 10, 11, 26, 27, 28, 29})  // "pause" and its zero, 8 bytes of steps in between
+  for (const std::size_t at : {8, 9, 10, 11, 34, 35, 36, 37})  // "pause" and its zero, steps and run in between
     for (int value = 0; value < 256; ++value) {
       auto bytes = good;
       if (bytes[at] == value) continue;
