@@ -73,8 +73,13 @@ Vec3 Shifting::find_turn(const Neighbourhood& items, const ItemExtras& extras, c
 
 void Shifting::find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants) {
   find_unevenness(items, constants, spacing_, uneven_);
-  const Frame frame = limit_moves(items, extras, constants);
-  const Vec3 turn = find_turn(items, extras, constants, frame);
+  Frame frame = limit_moves(items, extras, constants);
+  Vec3 turn = Vec3::Zero();
+  // What solids hold keeps neither: there the correction would be one more source of noise.
+  if (items.sample_item.empty())
+    turn = find_turn(items, extras, constants, frame);
+  else
+    frame = {};
   std::vector<float> longest((uneven_.size() + kSumBlock - 1) / kSumBlock, 0.f);
   const auto [dense, moved, volume] =
       sum_blocks<3>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {

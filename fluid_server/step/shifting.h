@@ -23,8 +23,8 @@ class Shifting {
 
   /// Lists and records are those of the step. Finds the moves, and by how much they spread the fluid out: pressure
   /// follows the velocities, so that what shifting undoes would pile up as pressure. Their mean is given back:
-  /// `expansion`, the share of its density that the fluid loses. The centre of mass stays where it is, and the angular
-  /// momentum what it is.
+  /// `expansion`, the share of its density that the fluid loses. Where no solid is near,
+  /// the centre of mass stays where it is, and the angular momentum what it is.
   void find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants);
   /// Move of a particle, m.
   Eigen::Vector3f move(std::size_t particle) const { return Eigen::Vector3f::Map(uneven_[particle].push); }
