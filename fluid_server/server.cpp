@@ -368,11 +368,9 @@ Status serve(exchange::Segment& segment) {
   if (!scene) return fail(scene.error());
   auto bodies = make_bodies(*scene);
   if (!bodies) return fail(bodies.error());
-  const int threads = segment.threads() ? static_cast<int>(segment.threads())
-                                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   auto fluid = WcsphFluid::make(
-      *scene, *bodies, threads, [link = std::make_shared<exchange::FluidLink>(segment)] { link->beat(); },
-      segment.resume_dir().empty());
+      *scene, *bodies, static_cast<int>(segment.threads()),
+      [link = std::make_shared<exchange::FluidLink>(segment)] { link->beat(); }, segment.resume_dir().empty());
   if (!fluid) return fail(fluid.error());
   Server server(segment, *std::move(scene), *std::move(bodies), *std::move(fluid));
   const Status outcome = server.run();

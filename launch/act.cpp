@@ -222,10 +222,9 @@ std::string motion_hash(Scene scene) {
 }
 
 Status same_motion(const Replay& replay, const Scene& scene) {
-  if (replay.motion_hash == motion_hash(scene)) return ok();
+  if (replay.motion_hash.empty() || replay.motion_hash == motion_hash(scene)) return ok();
   return Error{
-      fmt::format("the record is not of this scene{}",
-                  replay.motion_hash.empty() ? ", or of another version of Ballast" : ""),
+      "the record is not of this scene",
       "give the scene and the options of the first run: from another start the same commands do something else",
       "--replay"};
 }

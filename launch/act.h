@@ -54,7 +54,7 @@ struct Replay {
   };
   std::optional<std::uint64_t> stop_after;  ///< step after which a command ended the run
   std::vector<At> commands;                 ///< those that took effect, in order
-  std::string motion_hash;                  ///< of the run's scene; empty: the record has none
+  std::string motion_hash;                  ///< of the run's scene; empty: a list of commands written by hand
 };
 /// Hash of all of a scene that its motion hangs on: not what is written, probes and expectations.
 std::string motion_hash(Scene scene);

@@ -111,7 +111,8 @@ struct RunArguments {
                  "expect nothing, not even that the fluid stays: leave out the scene's expectations, e.g. for a "
                  "shorter --duration");
     run.add_option("--out", options.out, "folder for the outputs")->type_name("DIR");
-    run.add_option("--threads", options.threads, "threads of the fluid process (default: all cores)")
+    run.add_option("--threads", options.threads,
+                   "threads of the fluid process (default: all cores, one where there are few particles)")
         ->check(CLI::Range(1, most_threads()));
     run.add_option("--timeout", options.timeout, "time without a sign of life before a process counts as hung, e.g. 5s")
         ->transform(CLI::Validator(to_seconds, ""))

@@ -16,7 +16,7 @@ struct RunOptions {
   std::string replay;                   ///< record of a run with commands; empty: none
   std::string resume;                   ///< output folder of a run with checkpoints; empty: from the start
   bool no_expect = false;               ///< nothing is expected, no loss of fluid is a miss
-  int threads = 0;                      ///< of the fluid process; 0: all cores
+  int threads = 0;                      ///< of the fluid process; 0: as many as pay
   double timeout = 30;                  ///< s without a sign of life before a process counts as hung
   bool by_hand = false;                 ///< print the commands of the two processes instead of starting them
   bool quiet = false;                   ///< no progress

@@ -56,7 +56,7 @@ class WcsphFluid {
  public:
   /// `bodies` must outlive the fluid. Large scenes take minutes to set up: `sign_of_life` is called now and then, in
   /// quiet_start() too.
-  /// `relax`: false where a checkpoint brings the particles.
+  /// `relax`: false where a checkpoint brings the particles. `threads`: 0 for as many as pay.
   static Result<std::unique_ptr<WcsphFluid>> make(
       const Scene& scene, const std::vector<Body>& bodies, int threads, std::function<void()> sign_of_life = [] {},
       bool relax = true);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "fluid_server/step/accuracy.h"
 #include "fluid_server/step/wcsph.h"
@@ -32,6 +33,14 @@ Box3 occupied_box(const Scene& scene, const std::vector<Body>& bodies) {
                                                                  (corner & 4 ? local.max : local.min)[2]));
   }
   return box;
+}
+
+/// As many threads as there are cores, but none for less than 500 particles: 700 of them are a third faster on one
+/// thread than on two, 1,100 a third slower.
+int choose_threads(std::size_t particles) {
+  constexpr std::size_t kLeast = 500;
+  return static_cast<int>(
+      std::clamp<std::size_t>(particles / kLeast, 1, std::max(1u, std::thread::hardware_concurrency())));
 }
 
 }  // namespace
@@ -95,7 +104,6 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
                                                                                : KernelKind::kWendland;
   Kernel kernel{kind, scene.world.dimension, support_in_spacings(kind) * scene.world.spacing};
   self.constants_.kernel = kernel;
-  self.constants_.threads = threads;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
   // Implicit pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light
   // bodies.
@@ -120,6 +128,8 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   auto filled = fill_fluids(scene, bodies, self.coordinates_, kernel.support);
   if (!filled) return filled.error();
   self.filled_ = *std::move(filled);
+  if (threads < 1) threads = choose_threads(self.filled_.particles.size());
+  self.constants_.threads = threads;
   for (const FluidProperties& one : self.filled_.fluids) {
     self.constants_.several_densities |= one.density != self.filled_.fluids[0].density;
     self.kinematic_viscosity_ = std::max(self.kinematic_viscosity_, static_cast<double>(one.viscosity) / one.density);
