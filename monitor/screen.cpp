@@ -69,7 +69,7 @@ void View::take(const std::string& channel, const void* data, std::size_t bytes)
   } else if (channel == msgs::kContacts) {
     if (auto m = decoded<contact_sets_t>(data, bytes)) {
       patches_coming_ = (m->chunk == 0 ? 0 : patches_coming_) + m->contacts.size();
-      if (m->chunk + 1 == m->chunks) patches_ = patches_coming_;
+      if (std::int64_t{m->chunk} + 1 == m->chunks) patches_ = patches_coming_;
     }
   } else if (channel == msgs::kParticles) {
     if (auto m = decoded<particles_t>(data, bytes)) particles_ = std::move(m);

@@ -25,7 +25,9 @@ constexpr const char* kScene =
 Prepared prepared() {
   auto scene = read_scene_text(kScene, "fuzz.yaml");
   if (!scene) std::abort();
-  return {std::move(*scene), {}, true, true, {}};
+  auto bodies = make_bodies(*scene);
+  if (!bodies) std::abort();
+  return {std::move(*scene), std::move(*bodies), true, true, {}};
 }
 
 /// A command that is sent on is finite, and comes out of the record as it went in.
