@@ -142,7 +142,7 @@ int tell(const RunCommand& command, const std::string& asked) {
   for (bool heard = false; Clock::now() < end && lcm.handleTimeout(kSlice) >= 0;) {
     if (heard || runs.obeying.empty()) continue;
     heard = true;
-    end = std::min(end, Clock::now() + std::chrono::milliseconds(300));
+    end = std::min(end, Clock::now() + std::chrono::milliseconds(150));
   }
   if (command.run != 0 && !runs.obeying.empty() && !runs.obeying.contains(command.run)) {
     fmt::print(stderr, "ballast: --run {}: no such run obeys commands here\n  it may be: {}\n", command.run,
