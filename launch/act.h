@@ -34,8 +34,7 @@ class Act {
   std::string take(const RunCommand& command, std::uint64_t step, std::uint64_t done, double time);
   /// A frame of kind kCommand.
   std::string result(const exchange::Frame& frame);
-  /// The run has ended: what has not been answered came too late.
-  /// The run has ended; `failed`: with an error.
+  /// The run has ended: what has not been answered came too late, or, if it `failed`, may have taken effect.
   void close(bool failed);
 
  private:

@@ -8,7 +8,7 @@ namespace ballast::launch {
 
 namespace {
 
-constexpr std::size_t kHash = 8, kSteps = 8 + 8, kNumbers = 8 * (3 + 3 + 1 + 3 + 4 + 3), kLongest = 64;
+constexpr std::size_t kHash = 8, kStepsAndRun = 8 + 8, kNumbers = 8 * (3 + 3 + 1 + 3 + 4 + 3), kLongest = 64;
 
 /// Bytes of a text at `at` as lcm-gen writes it: length with its zero (4, big-endian), text, zero. Nothing if it does
 /// not end within `size`, or holds what no action and no name of a scene has: it goes into the record, which is JSON,
@@ -30,7 +30,7 @@ std::optional<RunCommand> read_command(const void* data, std::size_t size) {
   const auto* bytes = static_cast<const unsigned char*>(data);
   const auto action = text(bytes, kHash, size);
   if (!action) return std::nullopt;
-  const std::size_t second = kHash + *action + kSteps;
+  const std::size_t second = kHash + *action + kStepsAndRun;
   const auto body = text(bytes, second, size);
   if (!body || second + *body + kNumbers != size) return std::nullopt;
   command_t message;

@@ -123,7 +123,6 @@ int tell(const RunCommand& command, const std::string& asked) {
   command_t message;
   message.action = command.action;
   message.steps = command.steps;
-  message.run = command.run;
   message.body = command.body;
   message.duration = command.duration;
   std::ranges::copy(command.force, message.force);
@@ -155,7 +154,7 @@ int tell(const RunCommand& command, const std::string& asked) {
     return kBadInput;
   }
   if (!runs.obeying.empty()) {
-    message.run = runs.obeying.size() == 1 ? runs.obeying.begin()->first : command.run;
+    message.run = command.run != 0 ? command.run : runs.obeying.begin()->first;
     if (lcm.publish(msgs::kCommand, &message) == 0) return kFine;
     fmt::print(stderr, "ballast: {}\n", cannot_open(*url).text());
     return kProcessFailed;

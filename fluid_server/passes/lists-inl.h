@@ -219,6 +219,18 @@ class ListBuilder {
   int nx_;
 };
 
+/// Calls group(first item) for the groups of a chunk, which does what there is to do and returns the item behind it,
+/// and `then` with the items of each.
+template <class Group, class Then>
+void for_each_group(std::uint32_t chunk, std::uint32_t size, Group&& group, Then&& then) {
+  const std::uint32_t end = std::min(size, (chunk + 1) * Lists::kChunk);
+  for (std::uint32_t begin = chunk * Lists::kChunk; begin < end;) {
+    const std::uint32_t next = group(begin, end);
+    then(begin, next);
+    begin = next;
+  }
+}
+
 /// All lists anew; `then` is called with the items of each group whose lists are done.
 template <int Dim, class Then>
 void SearchAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
@@ -237,12 +249,10 @@ void SearchAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int thread
 #pragma omp for schedule(dynamic, 1)
     for (std::uint32_t c = 0; c < chunks; ++c) {
       lists.buffer_of_chunk[c] = self;
-      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
-      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
-        const std::uint32_t next = builder.build_group(group, end, lists, self, used);
-        then(group, next);
-        group = next;
-      }
+      for_each_group(
+          c, size,
+          [&](std::uint32_t begin, std::uint32_t end) { return builder.build_group(begin, end, lists, self, used); },
+          then);
     }
     lists.used[self] = used;
   }
@@ -261,12 +271,12 @@ std::uint64_t MendAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int
     std::size_t used = lists.used[buffer];
     for (std::uint32_t c = 0; c < lists.buffer_of_chunk.size(); ++c) {
       if (lists.buffer_of_chunk[c] != buffer) continue;
-      const std::uint32_t end = std::min(size, (c + 1) * Lists::kChunk);
-      for (std::uint32_t group = c * Lists::kChunk; group < end;) {
-        const std::uint32_t next = builder.mend_group(group, lists, buffer, used, made_again);
-        then(group, next);
-        group = next;
-      }
+      for_each_group(
+          c, size,
+          [&](std::uint32_t begin, std::uint32_t) {
+            return builder.mend_group(begin, lists, buffer, used, made_again);
+          },
+          then);
     }
     lists.used[buffer] = used;
   }

@@ -19,13 +19,11 @@ Vec3 velocity(const Record& r) { return {r.vx, r.vy, r.vz}; }
 
 }  // namespace
 
-/// Pushes become moves. Their mean, and the mean velocity, weighted by how much a particle may move.
-Shifting::Frame Shifting::limit_moves(const Neighbourhood& items, const ItemExtras& extras,
-                                      const PassConstants& constants) {
+/// Pushes become moves.
+void Shifting::limit_moves(const PassConstants& constants) {
   const float d = static_cast<float>(spacing_),
               rate = kStrength * static_cast<float>(constants.kernel.h()) * constants.dt;
-  const auto sums = sum_blocks<7>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
-    std::array<double, 7> sum{};
+  for_blocks(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       Unevenness& u = uneven_[f];
       u.share = std::clamp((u.fullness - kSurface) / (kInside - kSurface), 0.f, 1.f) *
@@ -33,9 +31,20 @@ Shifting::Frame Shifting::limit_moves(const Neighbourhood& items, const ItemExtr
       auto move = Eigen::Vector3f::Map(u.push);
       move *= u.share * std::min(rate * u.speed, kOvershoot * d * d);
       if (const float length = move.norm(); length > kFarthest * d) move *= kFarthest * d / length;
+    }
+  });
+}
+
+/// Mean move and mean velocity, weighted by how much a particle may move.
+Shifting::Frame Shifting::find_frame(const Neighbourhood& items, const ItemExtras& extras,
+                                     const PassConstants& constants) const {
+  const auto sums = sum_blocks<7>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
+    std::array<double, 7> sum{};
+    for (std::size_t f = begin; f < end; ++f) {
+      const Unevenness& u = uneven_[f];
       const std::uint32_t item = items.fluid_item[f];
       const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
-      Vec3::Map(&sum[0]) += mass * move.cast<double>();
+      Vec3::Map(&sum[0]) += mass * Eigen::Vector3f::Map(u.push).cast<double>();
       Vec3::Map(&sum[3]) += mass * u.share * velocity(items.record[item]);
       sum[6] += mass * u.share;
     }
@@ -73,13 +82,14 @@ Vec3 Shifting::find_turn(const Neighbourhood& items, const ItemExtras& extras, c
 
 void Shifting::find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants) {
   find_unevenness(items, constants, spacing_, uneven_);
-  Frame frame = limit_moves(items, extras, constants);
+  limit_moves(constants);
+  Frame frame;
   Vec3 turn = Vec3::Zero();
   // What solids hold keeps neither: there the correction would be one more source of noise.
-  if (items.sample_item.empty())
+  if (items.sample_item.empty()) {
+    frame = find_frame(items, extras, constants);
     turn = find_turn(items, extras, constants, frame);
-  else
-    frame = {};
+  }
   std::vector<float> longest((uneven_.size() + kSumBlock - 1) / kSumBlock, 0.f);
   const auto [dense, moved, volume] =
       sum_blocks<3>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {

@@ -44,7 +44,8 @@ class Shifting {
     Vec3 move = Vec3::Zero();      // m
     Vec3 velocity = Vec3::Zero();  // m/s
   };
-  Frame limit_moves(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants);
+  void limit_moves(const PassConstants& constants);
+  Frame find_frame(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants) const;
   Vec3 find_turn(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                  const Frame& frame) const;
 
