@@ -23,6 +23,8 @@ constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and o
 constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
 // Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
 constexpr double kYielding = 0.05;
+constexpr float kStiffer = 4;     // sound speed, of the explicit solver's
+constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
 }  // namespace
 
@@ -43,7 +45,8 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   dt_ = constants.dt;
   const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kLongestImplicitMove * spacing_));
   pace_ = static_cast<float>(pace * pace);
-  gravity_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
+  reference_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
+  if (reference_ == 0) reference_ = options.weightless_reference;
   const std::size_t n = particles.size();
   const int threads = constants.threads;
 
@@ -72,7 +75,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   bodies_.build(items, samples_, states, sums, inverse_w_, constants, dt_);
   find_diagonal(items, extras, constants, inverse_w_, rows_, pairs_, diagonal_);
 
-  yielding_.resize(n), right_.resize(n), bounded_.resize(n);
+  yielding_.resize(n), right_.resize(n), bounded_.resize(n), softness_.resize(n), source_.resize(n);
   const double dt2 = dt_ * dt_;
   const auto [trace] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
@@ -81,28 +84,37 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   });
   const double mean_diagonal = trace / static_cast<double>(std::max<std::size_t>(n, 1));
   const float least = static_cast<float>(kYielding * mean_diagonal);
+  const float speed = kStiffer * constants.sound_speed;
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float diagonal = static_cast<float>(diagonal_[f] * dt2);
-      diagonal_[f] = std::max(diagonal, least);
-      yielding_[f] = diagonal_[f] - diagonal;
+      const float volume = particles.record[f].volume;
+      softness_[f] = 1 / (extras.density_of(items.fluid_item[f]) * speed * speed);
+      yielding_[f] = std::max(least - diagonal, 0.f) + volume * softness_[f];
+      diagonal_[f] = diagonal + yielding_[f];
       bounded_[f] = rows_[f].fullness < kInside;
-      right_[f] =
-          particles.record[f].volume * source_of(particles.compression[f]) - static_cast<float>(dt_ * divergence_[f]);
+      const float borne = softness_[f] * pressure_[f];
+      source_[f] = borne + source_of(particles.compression[f] - borne);
+      right_[f] = volume * source_[f] - static_cast<float>(dt_ * divergence_[f]);
     }
   });
   balance_closed(particles, mean_diagonal);
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
   history_.clear();
-  const MprgpReport solved =
+  MprgpReport solved =
       mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
                    options.most_products, threads);
+  std::span<const float> left = mprgp_.gradient();
+  if (!bodies_.empty() && correct_bodies()) {
+    ++solved.products;
+    left = scaled_;
+  }
   // What the solve leaves of each particle's divergence becomes compression: nothing is forgotten.
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float volume = particles.record[f].volume;
-      particles.compression[f] -= source_of(particles.compression[f]) + mprgp_.gradient()[f] / volume;
+      particles.compression[f] += softness_[f] * pressure_[f] - source_[f] - left[f] / volume;
       particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
     }
   });
@@ -285,16 +297,59 @@ bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gra
   report_.residual = volume > 0 ? error / volume : 0;
   const bool density = report_.residual <= options_.tolerance && worst <= kWorst;
   if (bodies_.empty()) return density;
-  bodies_.reduce(x, reduced_);
-  foreseen_.resize(reduced_.size());
-  for (std::size_t b = 0; b < reduced_.size(); ++b) foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_;
+  foresee(x);
+  find_correction(gradient);
+  for (std::size_t b = 0; b < foreseen_.size(); ++b) foreseen_[b] -= bodies_.motion(b, gained_[b]) / dt_;
   history_.push_back(foreseen_);
   if (history_.size() > options_.body_products + 1) history_.pop_front();
   if (!density || history_.size() <= options_.body_products) return false;
-  for (std::size_t b = 0; b < foreseen_.size(); ++b) {
-    const double size = std::max(foreseen_[b].head<3>().norm(), gravity_);
-    if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > options_.body_tolerance * size) return false;
-  }
+  for (std::size_t b = 0; b < foreseen_.size(); ++b)
+    if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > allowed(b)) return false;
+  return true;
+}
+
+/// By how much a body's acceleration may still change. In a short step more: what the density's tolerance does not see
+/// either, but never more than the loosest class allows.
+double ImplicitPressure::allowed(std::size_t body) const {
+  const double size = std::max(foreseen_[body].head<3>().norm(), reference_);
+  const double unseen = options_.tolerance * spacing_ / (dt_ * dt_);
+  return std::max(options_.body_tolerance * size, std::min(unseen, kLoosest * size));
+}
+
+/// The accelerations of the bodies by these pressures.
+void ImplicitPressure::foresee(std::span<const float> x) {
+  bodies_.reduce(x, reduced_);
+  foreseen_.resize(reduced_.size());
+  for (std::size_t b = 0; b < reduced_.size(); ++b) foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_;
+}
+
+/// While a solve is under way a light body's acceleration swings by several g: the smallest error of the force on it
+/// moves it. What it settles to shows much sooner: with g the gradient, c = U^T D^-1 g and T = 1 + U^T D^-1 U the
+/// correction x -= D^-1 U T^-2 c moves the bodies to where the fluid beside them would have them, and hardly moves
+/// heavy ones. Finds T^-2 c, and what it takes from U^T x: T^-1 c - T^-2 c.
+void ImplicitPressure::find_correction(std::span<const float> gradient) {
+  scaled_.resize(gradient.size());
+  for_blocks(gradient.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) scaled_[f] = gradient[f] / diagonal_[f];
+  });
+  bodies_.reduce(scaled_, gained_);
+  bodies_.solve(gained_);
+  correction_ = gained_;
+  bodies_.solve(correction_);
+  for (std::size_t b = 0; b < gained_.size(); ++b) gained_[b] -= correction_[b];
+}
+
+/// Makes the last correction found, if it moves a body by more than is allowed: true, with the gradient in `scaled_`.
+bool ImplicitPressure::correct_bodies() {
+  bool needed = false;
+  for (std::size_t b = 0; b < gained_.size(); ++b)
+    needed |= bodies_.motion(b, gained_[b]).head<3>().norm() / dt_ > allowed(b);
+  if (!needed) return false;
+  bodies_.spread_scaled(correction_, diagonal_, pressure_);
+  for (std::size_t f = 0; f < pressure_.size(); ++f)
+    if (bounded_[f]) pressure_[f] = std::max(pressure_[f], 0.f);
+  multiply(pressure_, scaled_);
+  for (std::size_t f = 0; f < pressure_.size(); ++f) scaled_[f] -= right_[f];
   return true;
 }
 

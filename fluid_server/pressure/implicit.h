@@ -1,6 +1,7 @@
 // The incompressible pressure solve: one bound-constrained system for density and divergence with the free bodies
 // inside,
-//   A p >= b, p >= 0, complementary,  A = dt^2 (G^T M^-1 G + W K W^T),  b = V beta e - dt (G^T v* + W^T u*).
+//   A p >= b, p >= 0, complementary,  A = dt^2 (G^T M^-1 G + W K W^T) + V / (rho c^2),  b = V beta e - dt (G^T v* + W^T
+//   u*).
 // e is the compression that is left, v* and u* what particles and bodies would do without pressure. README.md derives
 // it.
 #pragma once
@@ -18,9 +19,10 @@ namespace ballast::fluid {
 /// What one step asks of the solver.
 struct ImplicitOptions {
   double tolerance = 1e-5;       ///< mean density error left by a step
-  double body_tolerance = 1e-3;  ///< change of a body's acceleration over `body_products`, of max(|a|, |G|)
+  double body_tolerance = 1e-3;  ///< change of a body's acceleration over `body_products`, of max(|a|, reference)
   std::size_t body_products = 5;
-  int most_products = 2000;  ///< beyond which a step is counted as unreached
+  double weightless_reference = 0;  ///< m/s^2, the reference where the fluid has no gravity; else it is |G|
+  int most_products = 2000;         ///< beyond which a step is counted as unreached
 };
 
 /// Sums over the run, for the record.
@@ -54,8 +56,6 @@ class ImplicitPressure : private QuadraticProgram {
   void state(A& a) {
     a("report", report_), a("norm", fluid_norm_);
   }
-  /// Acceleration of each body that the solve foresaw: linear, angular.
-  std::span<const Vector6> foreseen() const { return foreseen_; }
   std::size_t memory() const;
 
  private:
@@ -70,6 +70,10 @@ class ImplicitPressure : private QuadraticProgram {
   void correct_compression(Particles& particles);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
+  void foresee(std::span<const float> x);
+  void find_correction(std::span<const float> gradient);
+  double allowed(std::size_t body) const;
+  bool correct_bodies();
 
   const Samples& samples_;
   double spacing_;
@@ -79,19 +83,22 @@ class ImplicitPressure : private QuadraticProgram {
   const ItemExtras* extras_ = nullptr;
   const PassConstants* constants_ = nullptr;
   ImplicitOptions options_;
-  double dt_ = 0, gravity_ = 0;
-  float pace_ = 1;  // share of its correction that a step of this length makes
+  double dt_ = 0, reference_ = 0;  // acceleration that a change of a body's is compared with
+  float pace_ = 1;                 // share of its correction that a step of this length makes
 
   Mprgp mprgp_;
   BodyRows bodies_;
   std::vector<RowSums> rows_;
   PairGradients pairs_;
-  double uniform_ = 0;                 // weight of a uniform pressure: balance_closed
-  std::vector<float> inside_, share_;  // find_shares
+  double uniform_ = 0;                    // weight of a uniform pressure: balance_closed
+  std::vector<float> inside_, share_;     // find_shares
+  std::vector<float> softness_, source_;  // compression that a unit of pressure bears, that a step takes back
   std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_;
   std::vector<std::uint8_t> bounded_;
   std::vector<Flow> flow_;
+  std::vector<float> scaled_;
   std::vector<Vector6> reduced_, foreseen_, start_;
+  std::vector<Vector6> correction_, gained_;  // find_correction
   std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
   static constexpr double kNegligible = 0.1;  // of the error that a step may leave
   double fluid_norm_ = 0, volume_ = 0;

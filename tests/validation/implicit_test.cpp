@@ -1,0 +1,43 @@
+// What the implicit solver promises, seen from outside: water as stiff as it says, and light bodies that cost no more
+// than others.
+#include "tests/validation/run_command.h"
+
+namespace ballast::testing {
+namespace {
+
+struct Implicit : ::testing::Test {
+  Scratch scratch;
+  nlohmann::json record(const std::string& name, const std::vector<std::string>& settings, int code = 0) {
+    std::vector<std::string> arguments{scene(name), "--set", "numerics.pressure=implicit"};
+    arguments.insert(arguments.end(), settings.begin(), settings.end());
+    Command run(scratch.path, arguments);
+    EXPECT_EQ(run.wait(), code) << run.text();
+    return run.record();
+  }
+};
+
+/// At depth y water that rests is compressed by g y / c^2, on average by g H / (2 c^2), with four times the sound speed
+/// of the scene. What disorder and the last rows at the surface do is less than a tenth of that.
+TEST_F(Implicit, StillWaterIsCompressedByItsWeightAsItsSoundSpeedSays) {
+  for (const double speed : {25.0, 50.0}) {
+    const nlohmann::json r = record(
+        "hydrostatic", {"--duration", "2s", "--no-expect", "--set", "numerics.sound_speed=" + std::to_string(speed)});
+    const double stiff = 4 * speed, exact = 9.81 * 1.0 / (2 * stiff * stiff);
+    EXPECT_NEAR(r["error"]["density_mean"], exact, 0.1 * exact) << speed;
+  }
+}
+
+/// The scene itself compares the first acceleration with the exact one (Lamb, art. 93); products of the pressure matrix
+/// are what a step costs.
+TEST_F(Implicit, ALightBodyIsAsCheapAsOneOfHalfTheDensityOfWater) {
+  const auto products = [&](const char* density) -> double {
+    return record("added_mass_2d", {"--set", std::string("models.body.density=") +
+                                                 density})["fluid_process"]["pressure_solve"]["products_mean"];
+  };
+  const double half = products("500");
+  EXPECT_LT(products("1"), 1.5 * half);
+  EXPECT_LT(products("20000"), 1.5 * half);
+}
+
+}  // namespace
+}  // namespace ballast::testing
