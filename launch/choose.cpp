@@ -17,10 +17,10 @@ bool moves_freely(const Scene& scene, const std::string& name) {
 std::string why_explicit(const Scene& scene) {
   if (std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; }))
     return "bodies move freely, and only with it do films of water under and between them bear what they should";
-  if (scene.world.dimension == 2 || scene.world.accuracy != Accuracy::kInteractive)
-    return "the implicit solver takes as long to four times as long here";
-  return "the implicit solver is as fast here, but its pressure at rest is noisier, and with the cubic spline it can "
-         "throw still water up";
+  if (scene.world.accuracy != Accuracy::kInteractive)
+    return "the implicit solver takes half to twice as long here, and its pressure at rest is noisier";
+  return "the implicit solver is up to four times as fast here, but its pressure at rest is noisier, and with the "
+         "cubic spline still water slowly sinks";
 }
 
 /// Has the fluid no free surface, as far as a look at the scene tells?

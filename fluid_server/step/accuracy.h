@@ -17,7 +17,7 @@ struct AccuracyClass {
 constexpr AccuracyClass settings_of(Accuracy accuracy) {
   switch (accuracy) {
     case Accuracy::kInteractive:
-      return {0.6, 0.2, 5e-3, 1e-1, 2, 3e-2, true};
+      return {0.6, 0.2, 2e-3, 1e-1, 2, 3e-2, true};
     case Accuracy::kBalanced:
       return {0.5, 0.1, 1e-3, 1e-3, 5, 1e-2, false};
     case Accuracy::kAccurate:
