@@ -11,11 +11,12 @@ namespace ballast::fluid {
 
 namespace {
 
-constexpr float kNoise = 0.003f;    // compression that disorder alone may show
-constexpr float kDisorder = 0.01f;  // of the summed density, which is not pulled at
-constexpr float kLag = 0.02f;       // by how much the compression may be below the summed density
-constexpr float kGentle = 0.2f;     // share of that much compression that a step takes back
-constexpr float kMost = 0.02f;      // beyond kNoise, that a step takes back
+constexpr float kNoise = 0.003f;     // compression that disorder alone may show
+constexpr float kDisorder = 0.01f;   // of the summed density, which is not pulled at
+constexpr float kMostBias = 0.002f;  // of that sum, that is put down to disorder where a surface can sink
+constexpr float kLag = 0.02f;        // by how much the compression may be below the summed density
+constexpr float kGentle = 0.2f;      // share of that much compression that a step takes back
+constexpr float kMost = 0.02f;       // beyond kNoise, that a step takes back
 // Of the sound speed: the speed that the scene foretells. From there on corrections do not get faster.
 constexpr double kFast = 0.1;
 constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
@@ -169,22 +170,26 @@ void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
 }
 
 /// Compression follows the divergence, which keeps the volume but forgets positions. Inside the fluid it is pulled to
-/// the summed density, less the mean excess that disorder gives every such sum (1 % in 2-D: the level would rise by as
-/// much), beyond what disorder alone shows: pulled at that too, the particles of a relaxed start would push a cylinder
-/// with 15 % of its acceleration. And it is never far below the sum: a particle in a gap between solids may not hide
-/// what is around it. At a surface the sum is short of neighbours, but never less than the truth when it is above.
+/// the summed density, less the mean excess that disorder gives every such sum, beyond what disorder alone shows:
+/// pulled at that too, the particles of a relaxed start would push a cylinder with 15 % of its acceleration. Where
+/// water with a surface weighs that mean is limited: a loss of volume looks the same, and hid in it. And the
+/// compression is never far below the sum: a particle in a gap between solids may not hide what is around it. At a
+/// surface the sum is short of neighbours, but never less than the truth when it is above.
 void ImplicitPressure::correct_compression(Particles& particles) {
-  const auto [sum, number] =
+  const auto [sum, inside] =
       sum_blocks<2>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-        double excess = 0, inside = 0;
+        double excess = 0, number = 0;
         for (std::size_t f = begin; f < end; ++f) {
           if (rows_[f].fullness <= kInside) continue;
           excess += rows_[f].delta - 1 - particles.compression[f];
-          ++inside;
+          ++number;
         }
-        return std::array<double, 2>{excess, inside};
+        return std::array<double, 2>{excess, number};
       });
-  const float bias = number > 0 ? static_cast<float>(sum / number) : 0.f;
+  const float* gravity = constants_->gravity;
+  const bool weighs = gravity[0] != 0 || gravity[1] != 0 || gravity[2] != 0;
+  float bias = inside > 0 ? static_cast<float>(sum / inside) : 0.f;
+  if (weighs && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];
@@ -346,10 +351,14 @@ bool ImplicitPressure::correct_bodies() {
     needed |= bodies_.motion(b, gained_[b]).head<3>().norm() / dt_ > allowed(b);
   if (!needed) return false;
   bodies_.spread_scaled(correction_, diagonal_, pressure_);
-  for (std::size_t f = 0; f < pressure_.size(); ++f)
-    if (bounded_[f]) pressure_[f] = std::max(pressure_[f], 0.f);
+  for_blocks(pressure_.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      if (bounded_[f]) pressure_[f] = std::max(pressure_[f], 0.f);
+  });
   multiply(pressure_, scaled_);
-  for (std::size_t f = 0; f < pressure_.size(); ++f) scaled_[f] -= right_[f];
+  for_blocks(pressure_.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) scaled_[f] -= right_[f];
+  });
   return true;
 }
 
@@ -374,8 +383,8 @@ void ImplicitPressure::estimate_norm() {
 
 std::size_t ImplicitPressure::memory() const {
   const auto floats = inverse_w_.capacity() + yielding_.capacity() + diagonal_.capacity() + right_.capacity() +
-                      pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() +
-                      7 * pressure_.capacity();
+                      pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() + softness_.capacity() +
+                      source_.capacity() + scaled_.capacity() + 7 * pressure_.capacity();
   std::size_t kept = 0;
   for (const auto& buffer : pairs_.gradient) kept += buffer.capacity();
   for (const auto& buffer : pairs_.value) kept += buffer.capacity();
