@@ -1,15 +1,18 @@
 """`ballast report`: runs the validation cases and writes results.json, results.csv and report.html."""
 
 import argparse
+import contextlib
 import csv
 import datetime
 import fcntl
 import fnmatch
 import json
+import os
 import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from tqdm import tqdm
@@ -47,6 +50,7 @@ def arguments(words: list[str]) -> argparse.Namespace:
         "--repeats", type=int, default=1, metavar="N", help="wall times as medians of N runs (default: 1)"
     )
     parser.add_argument("--again", action="store_true", help="make finished runs again")
+    parser.add_argument("--gate", action="store_true", help="exit code 3 where a figure misses its target or a run ends early")
     parser.add_argument("--list", action="store_true", help="print the runs and whether they are finished; make none")
     parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
     chosen = parser.parse_args(words)
@@ -221,6 +225,22 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
     }
 
 
+@contextlib.contextmanager
+def alone():
+    """Two timed runs at once would slow each other down: one report at a time on a machine, as far as one user's go."""
+    path = Path(tempfile.gettempdir()) / f"ballast_report.{os.getuid()}.lock"
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise Refused("another report is at work on this machine, and both would be slowed down: wait for it") from None
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
 def main() -> int:
     words = sys.argv[1:]
     chosen = arguments(words)
@@ -239,11 +259,7 @@ def main() -> int:
         raise Refused("gnuplot, which draws the charts, is not there: apt-get install gnuplot-nox")
     place.out.mkdir(parents=True, exist_ok=True)
     references = reference_folders(place, chosen.references)
-    with (place.out / ".lock").open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise Refused(f"another report writes to {chosen.out}; wait for it or give another --out") from None
+    with alone():
         rows = carry_out(place, jobs, chosen, references)
         cases: list[Case] = [case for case in ALL if any(job.case is case for job in jobs)]
         for case in cases:
@@ -259,7 +275,7 @@ def main() -> int:
         f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
         f"{counts['reference not installed']} without reference\n{path}"
     )
-    return 0
+    return 3 if chosen.gate and (failed or counts["missed"]) else 0
 
 
 if __name__ == "__main__":

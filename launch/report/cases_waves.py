@@ -188,6 +188,8 @@ def entry_error(run: Outcome) -> float:
 
 ENTERING = Case(
     id="X4",
+    why="density 1000, implicit: right within 0.03 D until t sqrt(g / D) = 0.9, then it falls behind, by 0.24 and 0.15 D at 1.8 with 5.5 and 2.75 mm (explicit: 0.11, 0.08)",
+    order_why="0.75 between the finest two, 1.2 to 1.8 before: at the impact the centre is 0.014 D behind at every spacing, as the digitised curve starts there",
     title="Cylinder that falls into water",
     scene="report/cylinder_entry",
     about="A cylinder of 0.11 m hits water 0.3 m deep at 2.955 m/s, density 500 and 1000 kg/m^3; how deep its centre is against a "

@@ -83,11 +83,11 @@ def _figures(outcome: Outcome) -> dict:
         "momentum_imbalance": ledger.get("imbalance_relative"),
         "mass_drift": ledger.get("mass_drift"),
         "energy_change_J": energy.get("change"),
-        "energy_drift_J": _sum(energy.get("change"), energy.get("bodies_end"), energy.get("bodies_start")),
-        "energy_scale_J": _scale(energy),
         "density_error": (r.get("error") or {}).get("density_mean"),
         "density_max": (r.get("error") or {}).get("density_max"),
         "pressure_residual": (r.get("error") or {}).get("pressure_residual"),
+        "energy_gain": (r.get("error") or {}).get("energy_gain"),
+        "interface_residual": (r.get("error") or {}).get("interface_residual"),
         "expectations": [sum(1 for e in expects if e["pass"]), len(expects)],
         "warnings": r.get("warnings", []),
         "stages": stages,
@@ -96,18 +96,6 @@ def _figures(outcome: Outcome) -> dict:
         "threads": r["threads"],
         "state_hash": r.get("state_hash"),
     }
-
-
-def _sum(change: float | None, end: float | None, start: float | None) -> float | None:
-    """Change of the energy of fluid and bodies together, J."""
-    if change is None and end is None:
-        return None
-    return (change or 0.0) + (end or 0.0) - (start or 0.0)
-
-
-def _scale(energy: dict) -> float:
-    """All energy there is, whatever its sign, J."""
-    return sum(abs(energy.get(k) or 0.0) for k in ("kinetic", "potential", "elastic", "bodies_end"))
 
 
 def _curve(case: Case, outcome: Outcome) -> list[list[float]] | None:

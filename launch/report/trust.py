@@ -15,19 +15,14 @@ LIVE = (
     ("pressure residual (implicit)", lambda r: r.get("pressure_residual") if r["method"] == "implicit" else None),
     ("|change of mass|", lambda r: _size(r.get("mass_drift"))),
     ("momentum given against received", lambda r: r.get("momentum_imbalance")),
-    ("energy gained, over all energy", lambda r: _gained(r)),
-    ("energy lost, over all energy", lambda r: _gained(r, -1)),
+    ("energy gained that nobody gave", lambda r: r.get("energy_gain")),
+    ("interface residual", lambda r: r.get("interface_residual")),
 )
 LEAST = 4  # runs of a case from which ranks say something
 
 
 def _size(value: float | None) -> float | None:
     return None if value is None else abs(value)
-
-
-def _gained(row: dict, sign: int = 1) -> float | None:
-    change, scale = row.get("energy_drift_J"), row.get("energy_scale_J")
-    return None if change is None or not scale else max(0.0, sign * change) / scale
 
 
 def true_error(row: dict) -> float | None:
