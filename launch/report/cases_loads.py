@@ -51,7 +51,7 @@ def pressure_error(number: int):
 OBSTACLE_HIT = Case(
     id="X3",
     title="Dam break on an obstacle",
-    why="the front of the wave is thinner than a spacing and comes late (13 % at 4 cm); the peaks are single rows of 2 ms where a few particles hit, and the sensor is one kernel",
+    why="the front of the wave is thinner than a spacing and comes 3 to 4 % late; the peaks are single rows of 2 ms where a few particles hit, and the sensor is one kernel",
     scene="report/obstacle",
     about="A column of 1.228 x 1 x 0.55 m collapses in a tank of 3.22 m on a box of 0.161 m; pressure on its near face 0.021 m (P1) and 0.101 m (P3) above "
     "the bed. Half of the tank. The sensor is as wide as the kernel, not a disc.",

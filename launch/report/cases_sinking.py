@@ -17,8 +17,8 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
-    why="a sphere 3 to 6 spacings wide. Explicit, Re 31.9: 16 to 28 % too fast, its boundary layer is half a spacing thick (implicit, noisier and so more viscous: 3 to 6 %). "
-    "Implicit, Re 1.5: 7 % too slow at 3.75 mm, noise of the sphere's speed",
+    why="a sphere 3 to 6 spacings wide. Explicit, Re 31.9: 17 and 26 % too fast at 5 and 3.75 mm with particle shifting, 1.6 % at 3.75 mm without (implicit: 2 and 3 %). "
+    "Implicit, Re 1.5: 4, 7, 10 % too slow at 5, 3.75, 2.5 mm, more with finer spacing; the cause was not found (a smaller step changes nothing)",
     title="Settling sphere",
     scene="report/settling_sphere",
     about="A sphere of 15 mm and 1120 kg/m^3 settles in silicone oil in a box of 100 x 100 x 160 mm, full to the top; its largest speed over that in an endless "

@@ -50,8 +50,8 @@ def spring(ratio: float) -> Variant:
 
 SPRING = Case(
     id="B3",
-    why="the swing, 4 mm, is a spacing or more there, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (0.857, 0.711 of the start for 0.871, 0.759), the last lose a quarter each; a tenth of the diffusion leaves 30 of 50 %; with ten times the viscosity the decay is right within 3 %. Implicit without particle shifting: light cylinders shook (300 %)",
-    order_why="the frequency's is above 1 (2.2 to 6.5 between the finest two, explicit); implicit: the disorder above",
+    why="the swing, 4 mm, is 0.6 to 1 spacings there, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (0.857, 0.711 of the start for 0.871, 0.759), the last lose a quarter each; a tenth of the diffusion leaves 30 of 50 %; with ten times the viscosity the decay is right within 3 %. Implicit without particle shifting: light cylinders shook (300 %)",
+    order_why="the frequency's is above 1; the decay's error grows with refinement, for the reason above",
     title="Cylinder on a spring in an annulus",
     scene="report/spring_annulus",
     about="A cylinder of 0.2 m on a spring in a concentric container twice as wide, viscosity 1e-4 m^2/s: added mass and viscous damping "
