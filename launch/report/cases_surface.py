@@ -189,7 +189,7 @@ def jet_speed(run: Outcome) -> float:
 TORRICELLI = Case(
     id="F8",
     title="Outflow through a slot",
-    why="the jet is right (0.5 % at 1 cm, 0.1 % at 6 mm), its width is not: the discharge stays 7 to 10 % off with the explicit solver, 14 and 10 % at 1 cm and 6 mm with the implicit one; at every spacing from 20 to 4 mm, where gravity on the jet would account for 1 % (boundary elements); the jet does not contract as it should, and less so with less diffusion or faster sound: noise of the pressure",
+    why="the jet is right (0.5 % at 1 cm, 0.1 % at 6 mm), its width is not: the discharge stays 7 to 10 % off with the explicit solver, 12 % at 1 cm with the implicit one; at every spacing from 20 to 4 mm, where gravity on the jet would account for 1 % (boundary elements); the jet does not contract as it should, and less so with less diffusion or faster sound: noise of the pressure",
     scene="report/slot",
     about="A tank of 1 x 1 m empties through a slot of 0.1 m with sharp edges in its floor; speed of the jet a slot's width below, and discharge, from "
     "0.4 to 0.8 s. Particles that have left are lost on purpose.",
