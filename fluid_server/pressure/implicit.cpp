@@ -46,8 +46,11 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   dt_ = constants.dt;
   const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kLongestImplicitMove * spacing_));
   pace_ = static_cast<float>(pace * pace);
-  reference_ = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
-  if (reference_ == 0) reference_ = options.weightless_reference;
+  const double gravity = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
+  const double foretold = kFast * constants.sound_speed;
+  weighs_ = gravity > 0;
+  // Where the fluid weighs nothing: what weighs on the bodies; without that, what stops the fastest flow in 100 d.
+  reference_ = weighs_ ? gravity : options.weight > 0 ? options.weight : foretold * foretold / (100 * spacing_);
   const std::size_t n = particles.size();
   const int threads = constants.threads;
 
@@ -186,10 +189,8 @@ void ImplicitPressure::correct_compression(Particles& particles) {
         }
         return std::array<double, 2>{excess, number};
       });
-  const float* gravity = constants_->gravity;
-  const bool weighs = gravity[0] != 0 || gravity[1] != 0 || gravity[2] != 0;
   float bias = inside > 0 ? static_cast<float>(sum / inside) : 0.f;
-  if (weighs && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
+  if (weighs_ && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];

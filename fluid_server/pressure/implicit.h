@@ -21,8 +21,8 @@ struct ImplicitOptions {
   double tolerance = 1e-5;       ///< mean density error left by a step
   double body_tolerance = 1e-3;  ///< change of a body's acceleration over `body_products`, of max(|a|, reference)
   std::size_t body_products = 5;
-  double weightless_reference = 0;  ///< m/s^2, the reference where the fluid has no gravity; else it is |G|
-  int most_products = 2000;         ///< beyond which a step is counted as unreached
+  double weight = 0;         ///< |G| of the world, m/s^2, which bodies feel where the fluid does not (reduced gravity)
+  int most_products = 2000;  ///< beyond which a step is counted as unreached
 };
 
 /// Sums over the run, for the record.
@@ -84,6 +84,7 @@ class ImplicitPressure : private QuadraticProgram {
   const PassConstants* constants_ = nullptr;
   ImplicitOptions options_;
   double dt_ = 0, reference_ = 0;  // acceleration that a change of a body's is compared with
+  bool weighs_ = false;            // the fluid has gravity
   float pace_ = 1;                 // share of its correction that a step of this length makes
 
   Mprgp mprgp_;

@@ -175,9 +175,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.implicit_options_.tolerance = settings.tolerance * settings.gravity_share * settings.gravity_share;
     self.implicit_options_.body_tolerance = settings.body_tolerance;
     self.implicit_options_.body_products = settings.body_products;
-    // Where the fluid weighs nothing: what weighs on the bodies; without that, what stops the fastest flow in 100 d.
-    const double speed = 0.1 * self.constants_.sound_speed, weight = scene.world.gravity.norm();
-    self.implicit_options_.weightless_reference = weight > 0 ? weight : speed * speed / (100 * self.spacing_);
+    self.implicit_options_.weight = scene.world.gravity.norm();
   }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));

@@ -1,5 +1,6 @@
 """The command `report` from cases to page, on runs of less than a second."""
 
+import fcntl
 import json
 import os
 import subprocess
@@ -44,6 +45,18 @@ class Report(unittest.TestCase):
         self.assertNotIn("http", page)
         self.assertGreaterEqual(page.count("data:image/svg+xml"), 2)
         self.assertIn(rows[CHEAP[0]]["run"].replace('"', "&#34;").replace("'", "&#39;"), page)
+
+    def test_the_gate_lets_only_finished_runs_that_meet_their_targets_through(self):
+        self.assertEqual(self.report(CHEAP[0], "--gate", "--out", "a").returncode, 0)
+        diverges = self.report("B4/r0.01/staggered/0.02", "--gate", "--out", "a")
+        self.assertEqual(diverges.returncode, 3, diverges.stderr)
+
+    def test_only_one_report_is_at_work(self):
+        with open(Path(tempfile.gettempdir()) / f"ballast_report.{os.getuid()}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            done = self.report(CHEAP[0], "--out", "a")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("another report is at work", done.stderr)
 
     def test_finished_runs_are_kept_until_asked_for_again(self):
         self.report(CHEAP[0], "--out", "a")
