@@ -23,7 +23,7 @@ from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
 from cases import ALL
 from judge import judge, mark
 from not_built import NOT_BUILT
-from runs import EXPECTED, Place, build_hash, finished, key_of, make
+from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
@@ -102,9 +102,9 @@ def reference_folders(place: Place, given: Path | None) -> list[Path]:
 
 
 def pictured(jobs: list[Job]) -> set[str]:
-    """One run of each case draws a picture: the first of its finest resolution."""
+    """One run of each case with a section draws pictures: the first of its finest resolution."""
     out: dict[str, Job] = {}
-    for job in jobs:
+    for job in (j for j in jobs if not j.case.stability):
         best = out.get(job.case.id)
         if best is None or job.h < best.h:
             out[job.case.id] = job
@@ -116,54 +116,45 @@ def commit(tree: Path) -> str:
     return result.stdout.strip() if result.returncode == 0 else "no git"
 
 
+# Of a row of results.json, in results.csv: what it is, by its name there; figures of the whole run, in all its lines.
+COLUMNS = {
+    "id": "run",
+    "case": "case",
+    "variant": "variant",
+    "method": "method",
+    "level": "level",
+    "h": "resolution",
+    "status": "status",
+}
+FIGURES = (
+    "wall_s",
+    "steps",
+    "particles",
+    "particle_steps_per_s",
+    "mass_drift",
+    "lost",
+    "momentum_imbalance",
+    "energy_change_J",
+    "energy_balance_J",
+    "energy_scale_J",
+    "energy_gain",
+    "density_error",
+    "density_max",
+    "pressure_residual",
+    "interface_residual",
+)
+
+
 def write_results(place: Place, results: dict, part: str) -> None:
     (place.out / f"results{part}.json").write_text(json.dumps(results, indent=1))
     with (place.out / f"results{part}.csv").open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(
-            [
-                "run",
-                "case",
-                "variant",
-                "method",
-                "level",
-                "resolution",
-                "status",
-                "measure",
-                "unit",
-                "value",
-                "target",
-                "verdict",
-                "wall_s",
-                "steps",
-                "particles",
-                "particle_steps_per_s",
-                "command",
-            ]
-        )
+        of_measure = ("name", "unit", "value", "target", "verdict")
+        table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "command"])
         for r in results["rows"]:
             for m in r["measures"]:
-                table.writerow(
-                    [
-                        r["id"],
-                        r["case"],
-                        r["variant"],
-                        r["method"],
-                        r["level"],
-                        r["h"],
-                        r["status"],
-                        m["name"],
-                        m["unit"],
-                        m["value"],
-                        m["target"],
-                        m["verdict"],
-                        r["wall_s"],
-                        r.get("steps"),
-                        r.get("particles"),
-                        r.get("particle_steps_per_s"),
-                        r["run"],
-                    ]
-                )
+                values = [*(r[k] for k in COLUMNS), *(m[k] for k in of_measure), *(r.get(k) for k in FIGURES)]
+                table.writerow([*values, r["run"]])
 
 
 def describe(row: dict) -> str:
@@ -198,6 +189,8 @@ def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, referen
                 bar.set_postfix_str(job.id)
                 note = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
                 bar.update(EXPECTED[job.level] * chosen.repeats)
+            if job.id in with_picture and not (place.run_folder(job) / "start.png").is_file():
+                draw_start(place, job)
             rows.append(judge(place, job, note, references))
             if chosen.references:
                 rows[-1]["report"] += f" --references {shlex.quote(str(chosen.references))}"

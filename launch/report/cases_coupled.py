@@ -141,6 +141,7 @@ def momentum_drift(run: Outcome) -> float:
 CLOSED_BOX = Case(
     id="B11",
     title="Closed system: momentum",
+    order_why="what is left is what single precision rounds off in 10,000 steps",
     scene="closed_box",
     about="A periodic box without gravity, water and three bodies, two of them joined: more than 10,000 steps.",
     source="conservation; single precision in the fluid",

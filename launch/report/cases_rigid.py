@@ -60,6 +60,7 @@ def off_the_parabola(run: Outcome) -> float:
     return largest(vectors(run, "body", "") - (start + speed * t - np.array([0, 0, run["g"]]) * t**2 / 2))
 
 
+ENDS = np.array([0, 10])  # s
 FLIGHT = Case(
     id="R1",
     title="Free flight",
@@ -71,10 +72,12 @@ FLIGHT = Case(
     methods=("ode", "free_body"),
     variants=(Variant("", {}, {"vx": 1, "vz": 0, "g": 0}),),
     measures=(Measure("distance from the line / way", "", lambda r: off_the_parabola(r) / 10, (1e-9,)),),
+    chart=Chart("t (s)", "x (m)", lambda r: r.series("body.x"), lambda v, f: (ENDS, ENDS), "v t"),
 )
 PROJECTILE = Case(
     id="R2",
     title="Projectile",
+    order_why="exact at every step; what is left is round-off",
     scene="report/free_flight",
     about="The box thrown with (3, 4) m/s, for 1 s. A first-order step of 1 ms would err by 4.9 mm.",
     source="parabola",
@@ -121,6 +124,7 @@ def turning_energy(run: Outcome) -> Array:
 TUMBLING = Case(
     id="R3",
     title="Turning about the middle axis",
+    order_why="a microsecond at every step: what linear interpolation leaves between rows and between those of the reference, 0.05 s apart",
     scene="report/free_flight",
     about="A box turns about its middle axis and flips over again and again (Dzhanibekov), for 100 s.",
     source="Euler's equations, Runge-Kutta of fourth order at a step whose error is below 1e-9",
@@ -248,6 +252,13 @@ CHAIN = Case(
         Measure("gap of a joint / link", "", chain_gap, (1e-3,)),
         Measure("energy gained / m g L", "%", lambda r: gained(chain_energy(r), 12 * G * 2), (0.01,)),
     ),
+    chart=Chart(
+        "t (s)",
+        "energy change / m g L",
+        lambda r: (r.series("weight.x")[0], (chain_energy(r) - chain_energy(r)[0]) / (12 * G * 2)),
+        lambda v, f: (np.array([0, 5]), np.array([0, 0])),
+        "none",
+    ),
 )
 BAR = box_inertia(1, (1, 0.02, 0.02))
 
@@ -277,7 +288,7 @@ DOUBLE_PENDULUM = Case(
         "t (s)",
         "energy change / m g L",
         lambda r: (r.series("upper.x")[0], (pendulum_energy(r) - pendulum_energy(r)[0]) / (2 * G)),
-        lambda v, f: (np.array([0, 10]), np.array([0, 0])),
+        lambda v, f: (ENDS, np.array([0, 0])),
         "none",
     ),
 )

@@ -156,18 +156,25 @@ PLATE = fading(
 EDGE, RADIUS, MU, DRAG = 0.2688, 0.05, 10.0, 2.008  # m, m, Pa s, K of Zick and Homsy at a volume fraction of 0.027
 
 
-def settling(run: Outcome) -> float:
-    """Speed of the sphere relative to the mean of the box, over the exact one.
+BOX, BALL = EDGE**3, 4 / 3 * math.pi * RADIUS**3  # m^3
+WEIGHT = 1000 * BALL * 0.18  # N, of the sphere less its buoyancy
+# In the frame that falls with the centre of mass the fluid has an opposite uniform force, so that the total is zero:
+# F of Zick and Homsy = rho_f a V for an acceleration a = weight less buoyancy / all mass.
+SETTLED = 1000 * WEIGHT / (1000 * (BOX - BALL) + 2000 * BALL) * BOX / (6 * math.pi * MU * RADIUS * DRAG)  # m/s
 
-    In the frame that falls with the centre of mass the fluid has an opposite uniform force, so that the total is zero:
-    F of Zick and Homsy = rho_f a V for an acceleration a = weight less buoyancy / all mass.
-    """
-    volume, ball = EDGE**3, 4 / 3 * math.pi * RADIUS**3
+
+def settling(run: Outcome) -> float:
+    """Speed of the sphere relative to the mean of the box at the end, over the exact one."""
     ledger = run.record["ledger"]
-    acceleration = 1000 * ball * 0.18 / (1000 * (volume - ball) + 2000 * ball)
-    exact = 1000 * acceleration * volume / (6 * math.pi * MU * RADIUS * DRAG)
     fluid = ledger["momentum_end"][2] / ledger["mass_kg"]
-    return (1 - ball / volume) * (fluid - run.values("body.vz")[-1]) / exact
+    return (1 - BALL / BOX) * (fluid - run.values("body.vz")[-1]) / SETTLED
+
+
+def settling_speed(run: Outcome) -> tuple[Array, Array]:
+    """The same in time, m/s: what momentum the weight has given and the sphere has not got is the fluid's."""
+    t, v = run.series("body.vz")
+    fluid = (-WEIGHT * t - 2000 * BALL * v) / run.record["ledger"]["mass_kg"]
+    return t, (1 - BALL / BOX) * (fluid - v)
 
 
 SPHERES = Case(
@@ -180,6 +187,13 @@ SPHERES = Case(
     resolutions=(("coarse", 0.0224), ("10s", 0.0168), ("1min", 0.0112), ("10min", 0.0064)),  # parts of the edge
     measures=(Measure("speed", "%", lambda r: abs(settling(r) - 1), (0.08, 0.04, 0.02)),),
     methods=("wcsph",),
+    chart=Chart(
+        "t (s)",
+        "speed against the mean of the box (m/s)",
+        settling_speed,
+        lambda v, f: (np.array([0, 1.5]), np.array([SETTLED, SETTLED])),
+        "Zick and Homsy",
+    ),
 )
 
 CASES = (SPRING, SPIN_DOWN, PLATE, SPHERES)

@@ -37,8 +37,9 @@ def _quoted(text: str) -> str:
 
 
 def script(plot: Plot) -> str:
+    height = 320 + 14 * max(0, sum(bool(line.title) for line in plot.lines) - 4)  # of the key, so that the chart stays
     out = [
-        'set terminal svg size 480,320 dynamic enhanced font "Helvetica,12" background "white"',
+        f'set terminal svg size 480,{height} dynamic enhanced font "Helvetica,12" background "white"',
         "set encoding utf8",
         f"set xlabel {_quoted(plot.x)} noenhanced",
         f"set ylabel {_quoted(plot.y)} noenhanced",
@@ -61,10 +62,14 @@ def script(plot: Plot) -> str:
         low, high = max(min(ys), plot.y_range[0]), min(max(ys), plot.y_range[1])
         middle, half = (low + high) / 2, max((high - low) / 2 * 1.05, 1e-3 * max(abs(low), abs(high)), 1e-12)
         out += [f"set yrange [{middle - half!r}:{middle + half!r}]"]
-    for value, word in plot.levels:
+    before, right = 0.0, True
+    for value, word in sorted(plot.levels):
+        right = not right if value < 1.3 * before else True  # words of neighbours at opposite ends
+        before = value
+        place = "0.995, first {!r} right" if right else "0.005, first {!r} left"
         out += [
             f"set arrow from graph 0, first {value!r} to graph 1, first {value!r} nohead lc rgb '#CC79A7' dt 2 lw 1.2",
-            f"set label {_quoted(word)} at graph 0.995, first {value!r} right offset 0,0.45 tc rgb '#A0527A' font 'Helvetica,10'",
+            f"set label {_quoted(word)} at graph {place.format(value)} offset 0,0.45 tc rgb '#A0527A' font 'Helvetica,10'",
         ]
     commands = []
     for index, line in enumerate(plot.lines):

@@ -82,4 +82,6 @@ def changes(old: dict, new: dict, against: str) -> dict:
         f"{same} runs in common, {len(new['rows']) - same} only here. Errors that changed by more than {100 * ERROR_NOISE:g} %, "
         f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}"
     )
+    if old.get("command"):
+        note += f" Before: {old['command']} at {old.get('commit')}."
     return {"against": against, "note": note, "lines": lines}

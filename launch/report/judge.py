@@ -40,7 +40,7 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         row["curve"] = _curve(job.case, outcome)
     stopped_as_wanted = job.case.to_the_limit and note["status"] == "diverged"
     for measure in job.case.measures:
-        target = None if stopped_as_wanted else measure.target(job.level)
+        target = None if stopped_as_wanted else measure.target(job.variant, job.level)
         value, remark, verdict = None, "", None
         try:
             if outcome:
@@ -50,9 +50,8 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         except ReferenceMissing as why:
             remark, verdict = str(why), "reference not installed"
         entry = {"name": measure.name, "unit": measure.unit, "value": value, "target": target, "note": remark}
-        entry["scale"] = (
-            measure.targets[0] if measure.targets else None
-        )  # what errors of different cases are compared in
+        targets = measure.targets_of(job.variant)
+        entry["scale"] = targets[0] if targets else None  # what errors of different cases are compared in
         entry["verdict"] = verdict or _verdict(value, target)
         row["measures"].append(entry)
     return row
@@ -83,6 +82,8 @@ def _figures(outcome: Outcome) -> dict:
         "momentum_imbalance": ledger.get("imbalance_relative"),
         "mass_drift": ledger.get("mass_drift"),
         "energy_change_J": energy.get("change"),
+        "energy_balance_J": energy.get("gain"),
+        "energy_scale_J": energy.get("reference"),
         "density_error": (r.get("error") or {}).get("density_mean"),
         "density_max": (r.get("error") or {}).get("density_max"),
         "pressure_residual": (r.get("error") or {}).get("pressure_residual"),
@@ -94,6 +95,7 @@ def _figures(outcome: Outcome) -> dict:
         "machine": r["machine"],
         "version": r["version"],
         "threads": r["threads"],
+        "scheme": r.get("scheme"),
         "state_hash": r.get("state_hash"),
     }
 
@@ -168,11 +170,13 @@ def mark(rows: list[dict]) -> None:
 
 
 def times_to_targets(case: Case, rows: list[dict]) -> list[dict]:
-    """For every group: the wall time needed to reach each target of the headline measure; None where not reached."""
-    out = []
-    targets = case.measures[0].targets
+    """The wall time that every group needs to reach each target of the headline measure; None where not reached.
+    Groups with the same targets together."""
+    tables: dict[tuple[float, ...], list[dict]] = {}
+    variants = {v.name: v for v in case.variants}
     for group in dict.fromkeys(r["group"] for r in rows):
-        members = points_of([r for r in rows if r["group"] == group])
-        points = [(r["wall_s"], headline(r)["value"]) for r in members]
-        out.append({"group": group, "times": [time_to_reach(t, points) for t in dict.fromkeys(targets)]})
-    return out
+        members = [r for r in rows if r["group"] == group]
+        targets = tuple(dict.fromkeys(case.measures[0].targets_of(variants[members[0]["variant"]])))
+        points = [(r["wall_s"], headline(r)["value"]) for r in points_of(members)]
+        tables.setdefault(targets, []).append({"group": group, "times": [time_to_reach(t, points) for t in targets]})
+    return [{"targets": targets, "lines": lines} for targets, lines in tables.items() if targets]

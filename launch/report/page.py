@@ -1,12 +1,13 @@
 """results.json as one page that opens without a network."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader
 
 import trust
-from case import LEVELS, Case
+from case import LEVELS, METHODS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, met_by_level, points_of, times_to_targets
 from metrics import pareto_front, time_to_reach
@@ -33,48 +34,74 @@ def seconds(value: float | None) -> str:
     return f"{value:.2g} s" if value < 10 else f"{value:.0f} s" if value < 120 else f"{value / 60:.1f} min"
 
 
+def is_low(order: float | None) -> bool:
+    """Below the first order, as shown: a reason is due."""
+    return order is not None and order < 0.95
+
+
 def speed(value: float | None) -> str:
     return f"{value / 1e6:.2g} M" if value else ""
 
 
-def settings(rows: list[dict]) -> list[tuple[float, float]]:
-    """(wall time, headline error) of one method, coarse to fine: the largest over the variants, which all must have one."""
+@dataclass(frozen=True)
+class Point:
+    """One method at one resolution in the chart of error against time; over the variants the worst."""
+
+    method: str
+    h: float
+    wall_s: float  # of the slowest variant
+    error: float  # of the least accurate one, ...
+    id: str  # which is this run
+
+
+def settings(rows: list[dict]) -> list[Point]:
+    """Of one method, coarse to fine; all variants must have an error."""
     points = []
     for h in sorted({r["h"] for r in rows}, reverse=True):
         mine = [r for r in rows if r["h"] == h]
-        pairs = [(r["wall_s"], headline(r)["value"]) for r in points_of(mine)]
-        if len(pairs) == len(mine) and max(e for _, e in pairs) > 0:
-            points.append((max(t for t, _ in pairs), max(e for _, e in pairs)))
+        with_error = points_of(mine)
+        bad = max(with_error, key=lambda r: headline(r)["value"], default=None)
+        if bad and len(with_error) == len(mine) and headline(bad)["value"] > 0:
+            wall = max(r["wall_s"] for r in mine)
+            points.append(Point(bad["method"], h, wall, headline(bad)["value"], bad["id"]))
     return points
 
 
-def error_chart(case: Case, rows: list[dict]) -> str:
-    """Headline error against wall time, log-log; resolutions of one method joined, over the variants the worst."""
+def target_lines(case: Case, rows: list[dict]) -> list[tuple[float, str]]:
+    """Targets of the headline with a word each: its level, and the variant where they depend on it."""
+    measure, out = case.measures[0], {}
+    by_variant = {v.name: measure.targets_of(v) for v in case.variants}
+    for name, targets in by_variant.items():
+        words = ["target"]
+        words += [name] if len(set(by_variant.values())) > 1 else []
+        for target, level in zip(dict.fromkeys(targets), LEVELS[1:]):
+            if any(r["level"] == level for r in rows) or level == "10s":
+                out[target] = " ".join(words + ([level] if len(set(targets)) > 1 else []))
+    return list(out.items())
+
+
+def error_chart(case: Case, rows: list[dict]) -> tuple[str, list[Point]]:
+    """Headline error against wall time, log-log, resolutions of one method joined; and the Pareto front's points."""
     measure = case.measures[0]
     plot = Plot(
         "wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True
     )
     scale = 100 if measure.unit == "%" else 1
-    every = []
+    every: list[Point] = []
     for method in dict.fromkeys(r["method"] for r in rows):
         points = settings([r for r in rows if r["method"] == method])
         every += points
         style = f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.7 lw 1.2"
-        plot.lines.append(Line(method, [t for t, _ in points], [scale * e for _, e in points], style))
-    front = [every[i] for i in pareto_front(every)]
-    xs, ys = [t for t, _ in front], [scale * e for _, e in front]
+        plot.lines.append(Line(method, [p.wall_s for p in points], [scale * p.error for p in points], style))
+    front = [every[i] for i in pareto_front([(p.wall_s, p.error) for p in every])]
+    xs, ys = [p.wall_s for p in front], [scale * p.error for p in front]
     plot.lines[:0] = [
         Line("", xs, ys, "steps lc rgb '#bbbbbb' lw 3"),
         Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
     ]
     plot.lines = [line for line in plot.lines if line.x]
-    targets = dict.fromkeys(measure.targets)
-    plot.levels = [
-        (scale * t, f"target {level}" if len(targets) > 1 else "target")
-        for t, level in zip(targets, LEVELS[1:])
-        if any(r["level"] == level for r in rows) or level == "10s"
-    ]
-    return draw(plot) if every else ""
+    plot.levels = [(scale * target, word) for target, word in target_lines(case, rows)]
+    return (draw(plot), front) if every else ("", [])
 
 
 def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tuple[str, str]:
@@ -137,23 +164,38 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
 
 def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
     chart, missing = reference_chart(case, rows, references)
-    pictures = [place.out / "runs" / r["id"] / "picture.png" for r in rows]
+    folders = [place.out / "runs" / r["id"] for r in rows]
+    error_against_time, front = error_chart(case, rows)
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
         "case": case,
         "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])),
-        "error_chart": error_chart(case, rows),
+        "missed": any(m["verdict"] == "missed" for r in rows for m in r["measures"]),
+        "judged": any(m["target"] is not None for r in rows for m in r["measures"]),
+        "low_order": any(is_low(r.get("order")) for r in rows),
+        "error_chart": error_against_time,
+        "front": front,
         "reference_chart": chart,
         "missing": missing,
-        "picture": next((t for t in map(thumbnail, pictures) if t), ""),
+        "start": next((t for t in (thumbnail(f / "start.png") for f in folders) if t), ""),
+        "picture": next((t for t in (thumbnail(f / "picture.png") for f in folders) if t), ""),
         "times": times_to_targets(case, rows),
-        "targets": list(dict.fromkeys(case.measures[0].targets)),
     }
 
 
+def with_target(rows: list[dict], index: int) -> list[dict]:
+    """The variants that a measure has a target for, or all if there is none."""
+    return [r for r in rows if r["measures"][index]["target"] is not None] or rows
+
+
 def worst(rows: list[dict], index: int) -> dict:
-    """The worst variant of one measure: the largest error, and one without a figure before all."""
-    return max(rows, key=lambda r: math.inf if r["measures"][index]["value"] is None else r["measures"][index]["value"])
+    """The worst variant of one measure: the largest error over its target, and one without a figure before all."""
+
+    def badness(row: dict) -> float:
+        m = row["measures"][index]
+        return math.inf if m["value"] is None else m["value"] / (m["target"] or 1)
+
+    return max(with_target(rows, index), key=badness)
 
 
 def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
@@ -168,9 +210,10 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
             mine = [r for r in mine if r["h"] == finest]
             measures = []
             for index in range(len(case.measures)):
-                row = worst(mine, index)
-                met = sum(r["measures"][index]["verdict"] == "met" for r in mine)
-                measures.append({**row["measures"][index], "variant": row["variant"], "met": met, "of": len(mine)})
+                row, some = worst(mine, index), with_target(mine, index)
+                met = sum(r["measures"][index]["verdict"] == "met" for r in some)
+                of_row = {"id": row["id"], "variant": row["variant"]}
+                measures.append({**row["measures"][index], **of_row, "met": met, "of": len(some)})
             speeds = sorted(r["particle_steps_per_s"] for r in mine if r.get("particle_steps_per_s"))
             walls = [r["wall_s"] for r in mine if r["wall_s"]]
             failed = [r["status"] for r in mine if r["status"] != "finished"]
@@ -185,6 +228,7 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
                     "h": shown["h"],
                     "measures": measures,
                     "order": shown.get("order"),
+                    "low_order": is_low(shown.get("order")),
                     "wall_s": max(walls, default=None),
                     "runs": len(mine),
                     "failed": len(failed),
@@ -216,6 +260,19 @@ def stability(cases: list[Case], rows: list[dict]) -> list[dict]:
     return lines
 
 
+def methods(rows: list[dict]) -> list[dict]:
+    """What the methods are, and which coupling scheme the runs with bodies in a fluid got, by the cases."""
+    out = []
+    for method in (m for name, m in METHODS.items() if any(r["method"] == name for r in rows)):
+        schemes: dict[str, set] = {}
+        for r in rows:
+            if r["method"] == method.name and r.get("scheme") and r.get("momentum_imbalance") is not None:
+                schemes.setdefault(r["scheme"], set()).add(r["case"])
+        ordered = sorted(schemes.items(), key=lambda s: -len(s[1]))
+        out.append({"method": method, "schemes": [(s, sorted(c) if len(c) < 10 else []) for s, c in ordered]})
+    return out
+
+
 def tally(rows: list[dict]) -> dict[str, int]:
     """How many figures of all runs with a target met it."""
     verdicts = [m["verdict"] for r in rows for m in r["measures"]]
@@ -229,6 +286,7 @@ def write(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {"figure": figure, "seconds": seconds, "speed": speed}
+    environment.tests["low_order"] = is_low
     rows = results["rows"]
     sections = [
         case_section(place, case, [r for r in rows if r["case"] == case.id], references)
@@ -240,6 +298,7 @@ def write(
         sections=sections,
         summary=summary(cases, rows),
         stability=stability(cases, rows),
+        methods=methods(rows),
         elsewhere=ELSEWHERE,
         not_built=NOT_BUILT,
         trust=trust.table(cases, rows),

@@ -37,6 +37,25 @@ def pendulum_period(small: float, angle: float) -> float:
     return small * 2 / math.pi * elliptic_k(math.sin(angle / 2))
 
 
+def sliding(times: Array, speed: float, acceleration: float) -> Array:
+    """Way on a plane; what slows down stays where it stops, as Coulomb's friction has it."""
+    stop = -speed / acceleration if acceleration < 0 else math.inf
+    t = np.minimum(times, stop)
+    return speed * t + acceleration * t**2 / 2
+
+
+def bouncing(times: Array, height: float, restitution: float, g: float = 9.81) -> Array:
+    """Height over the floor of a ball dropped from `height`; flights of e, e^2 ... times the speed of the first impact."""
+    out, speed, start = height - g * times**2 / 2, math.sqrt(2 * g * height), math.sqrt(2 * height / g)
+    while start <= times[-1]:
+        speed *= restitution
+        out = np.where(times >= start, speed * (times - start) - g * (times - start) ** 2 / 2, out)
+        if 2 * speed / g < 1e-9:  # at rest
+            return np.where(times >= start, 0.0, out)
+        start += 2 * speed / g
+    return out
+
+
 def added_mass(shape: str, q: float) -> float:
     """Inviscid added mass over displaced fluid mass in a concentric container q times as wide (Lamb, art. 93)."""
     return (q**2 + 1) / (q**2 - 1) if shape == "cylinder" else 0.5 * (q**3 + 2) / (q**3 - 1)

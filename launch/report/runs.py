@@ -6,9 +6,11 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import statistics
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from case import Job, Refused
 
 PROGRAMS = ("ballast_coordinator", "fluid_server", "rigid_client")
 EXPECTED = {"coarse": 3.0, "10s": 10.0, "1min": 60.0, "10min": 600.0}  # s of wall time, for the time left
+ONE_STEP = 1e-9  # s, shorter than any
 LIMIT = 20  # times what is expected: then a run is stopped and listed as such
 STATUS = {
     0: "finished",
@@ -99,7 +102,7 @@ def make(place: Place, job: Job, key: str, repeats: int, picture: bool) -> dict:
         "load": round(os.getloadavg()[0], 2),
     }
     for _ in range(repeats):
-        for name in ("record.json", "bodies.csv", "probes.csv", "picture.png"):
+        for name in ("record.json", "bodies.csv", "probes.csv", "picture.png", "start.png"):
             (folder / name).unlink(missing_ok=True)
         status, message = _run(place, job, folder, limit, picture)
         note |= {"status": status, "message": message}
@@ -109,6 +112,18 @@ def make(place: Place, job: Job, key: str, repeats: int, picture: bool) -> dict:
     note |= {"walls": walls, "wall_s": statistics.median(walls) if walls else None}
     (folder / "run.json").write_text(json.dumps(note, indent=1))
     return note
+
+
+def draw_start(place: Place, job: Job) -> None:
+    """start.png of the set-up: another run, of one step, that is not timed. What hinders it is in the run's log."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [str(place.build / "bin" / PROGRAMS[0]), *command(job), "--set", f"world.duration={ONE_STEP}"]
+        words += ["--no-expect", "--quiet", "--picture", "--out", folder]
+        with (place.run_folder(job) / "log.txt").open("a") as log:
+            subprocess.run(words, cwd=place.tree, stdout=log, stderr=subprocess.STDOUT)
+        picture = Path(folder) / "picture.png"
+        if picture.is_file():
+            shutil.copy(picture, place.run_folder(job) / "start.png")
 
 
 def _run(place: Place, job: Job, folder: Path, limit: float, picture: bool) -> tuple[str, str]:

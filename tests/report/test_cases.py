@@ -26,7 +26,9 @@ class Cases(unittest.TestCase):
                 sizes = [h for _, h in case.resolutions]
                 self.assertEqual(sizes, sorted(sizes, reverse=True), "coarse to fine")
                 for measure in case.measures:
-                    self.assertEqual(list(measure.targets), sorted(measure.targets, reverse=True), "targets get harder")
+                    for variant in case.variants:
+                        targets = list(measure.targets_of(variant))
+                        self.assertEqual(targets, sorted(targets, reverse=True), "targets get harder")
 
     def test_every_scene_is_accepted_and_depends_on_what_is_varied(self):
         place = Place(TREE, Path(os.environ["BALLAST_BUILD"]), TREE)

@@ -27,6 +27,23 @@ class Formulas(unittest.TestCase):
         self.assertAlmostEqual(references.added_mass("cylinder", 2), 5 / 3, places=14)
         self.assertAlmostEqual(references.added_mass("sphere", 2), 5 / 7, places=14)
 
+    def test_a_block_slides_to_where_friction_stops_it(self):
+        mu, g, times = 0.3, 9.81, np.array([0.0, 0.1, 0.5, 2.0])
+        way = references.sliding(times, 2, -mu * g)
+        np.testing.assert_allclose(way[:2], [0, 0.2 - mu * g * 0.005], atol=1e-15)
+        self.assertAlmostEqual(way[3], 2**2 / (2 * mu * g), places=12)
+        np.testing.assert_allclose(references.sliding(times, 0, 3.0), 1.5 * times**2)
+
+    def test_a_ball_bounces_to_the_square_of_restitution_and_comes_to_rest(self):
+        e, fall = 0.5, math.sqrt(2 / 9.81)
+        rest = fall * (1 + e) / (1 - e)  # 1.354571 s: the sum of all flights
+        apex = fall * (1 + e)  # of the first rebound
+        height = references.bouncing(np.array([0, fall, apex, rest + 1e-6, 2]), 1, e)
+        np.testing.assert_allclose(height[:3], [1, 0, e**2], atol=1e-12)
+        np.testing.assert_allclose(height[3:], 0, atol=1e-12)
+        whole = references.bouncing(np.linspace(0, 4 * fall, 5), 1, 1)
+        np.testing.assert_allclose(whole, [1, 0, 1, 0, 1], atol=1e-12)
+
     def test_channel_starts_at_rest_and_ends_steady(self):
         y = np.linspace(0, 1, 11)
         poiseuille, couette = references.channel_startup(y, 5.0)

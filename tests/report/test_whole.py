@@ -1,8 +1,10 @@
 """The command `report` from cases to page, on runs of less than a second."""
 
+import csv
 import fcntl
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -45,6 +47,33 @@ class Report(unittest.TestCase):
         self.assertNotIn("http", page)
         self.assertGreaterEqual(page.count("data:image/svg+xml"), 2)
         self.assertIn(rows[CHEAP[0]]["run"].replace('"', "&#34;").replace("'", "&#39;"), page)
+
+    def test_one_run_of_a_case_draws_the_set_up_and_the_last_state(self):
+        self.report(*CHEAP, "--out", "a")
+        for name in ("start.png", "picture.png"):
+            found = [p.parent for p in (self.out / "a/runs").rglob(name)]
+            self.assertEqual(found, [self.out / "a/runs" / CHEAP[1]] if shutil.which("povray") else [], name)
+
+    def test_the_table_has_what_is_conserved_beside_every_measure(self):
+        self.report("F1/wcsph/0.1", "--out", "a")
+        with (self.out / "a/results_part.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            self.assertEqual(float(row["mass_drift"]), 0)
+            self.assertLess(abs(float(row["energy_balance_J"])), 0.01 * float(row["energy_scale_J"]))
+            self.assertGreater(float(row["density_error"]), 0)
+            self.assertEqual(row["command"].split()[1], "run")
+
+    def test_the_speed_of_a_sphere_in_its_box_follows_from_momentum_at_all_times(self):
+        import cases_viscous
+        from case import Outcome, Variant
+
+        run = "B8/wcsph/0.0224"
+        self.report(run, "--out", "a")
+        outcome = Outcome(self.out / "a/runs" / run, 0.0224, Variant(), [])
+        last = cases_viscous.settling_speed(outcome)[1][-1]
+        self.assertAlmostEqual(last / cases_viscous.SETTLED, cases_viscous.settling(outcome), places=5)
 
     def test_the_gate_lets_only_finished_runs_that_meet_their_targets_through(self):
         self.assertEqual(self.report(CHEAP[0], "--gate", "--out", "a").returncode, 0)

@@ -1,0 +1,138 @@
+"""What the page says, on rows whose outcome is known."""
+
+import re
+import tempfile
+import unittest
+from pathlib import Path
+
+import page
+from case import Case, Measure, Variant
+from judge import times_to_targets
+from runs import Place
+
+LIGHT, HEAVY = Variant("light", {}, {"density": 500}), Variant("heavy", {}, {"density": 1000})
+
+
+def case(name: str, **more) -> Case:
+    """With harder targets for the light variant."""
+    measure = Measure("e", "", lambda run: 0.0, lambda v: (0.1, 0.05) if v is LIGHT else (1.0, 0.5))
+    return Case(name, "title", "about.", "scene", (("10s", 1.0),), (measure,), variants=(LIGHT, HEAVY), **more)
+
+
+def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: float = 1.0, **more) -> dict:
+    target = of.measures[0].target(variant, "10s")
+    group = "/".join(x for x in (of.id, variant.name, "wcsph") if x)
+    verdict = "met" if value is not None and value <= target else "missed"
+    measure = {"name": "e", "unit": "", "value": value, "target": target, "note": "", "verdict": verdict, "scale": target}
+    return {
+        "id": f"{group}/{h:g}",
+        "group": group,
+        "case": of.id,
+        "variant": variant.name,
+        "method": "wcsph",
+        "level": "10s",
+        "h": h,
+        "status": "finished",
+        "message": "",
+        "wall_s": wall,
+        "run": f"run {group}/{h:g}",
+        "report": f"report {group}/{h:g}",
+        "measures": [measure],
+        "curve": None,
+        "particles": 100,
+        "steps": 9,
+        "particle_steps_per_s": 1e6,
+        "lost": 0,
+        "scheme": "interlinked",
+        "mass_drift": -0.25,
+        "momentum_imbalance": 0.0,
+        "energy_change_J": 3.0,
+        "energy_balance_J": -2.0,
+        "energy_scale_J": 8.0,
+        "energy_gain": 0.0,
+        "density_error": 0.01,
+        "density_max": 0.02,
+        "pressure_residual": 0,
+        "interface_residual": 0,
+        "stages": {"motion": 1.0},
+    } | more
+
+
+def written(cases: list[Case], rows: list[dict]) -> str:
+    of_all = {"machine": "m", "version": "0", "commit": "c", "threads": "2", "written": "now", "level": "10s"}
+    of_all |= {"wall_total": 1.0, "repeats": 1, "load": [0, 0], "command": "all"}
+    with tempfile.TemporaryDirectory() as folder:
+        place = Place(Path(folder), Path(folder), Path(folder))
+        return page.write(place, cases, of_all | {"rows": rows}, [], None, "").read_text()
+
+
+class Targets(unittest.TestCase):
+    def test_the_worst_variant_is_so_against_its_own_target(self):
+        of = case("A")
+        (line,) = page.summary([of], [row(of, LIGHT, 0.2), row(of, HEAVY, 0.9)])[:1]
+        self.assertEqual((line["measures"][0]["variant"], line["measures"][0]["verdict"]), ("light", "missed"))
+        self.assertEqual((line["measures"][0]["met"], line["measures"][0]["of"]), (1, 2))
+
+    def test_a_variant_without_a_target_is_not_the_worst_of_a_measure(self):
+        rows = [{"measures": [{"value": v, "target": t}]} for v, t in ((0.01, 0.1), (None, None))]
+        self.assertIs(page.worst(rows, 0), rows[0])
+
+    def test_times_stand_under_their_targets(self):
+        of = case("A")
+        light, heavy = times_to_targets(of, [row(of, LIGHT, 0.2), row(of, HEAVY, 0.2, wall=3.0)])
+        self.assertEqual((light["targets"], light["lines"][0]["times"]), ((0.1, 0.05), [None, None]))
+        self.assertEqual((heavy["targets"], heavy["lines"][0]["times"]), ((1.0, 0.5), [3.0, 3.0]))
+
+
+class Front(unittest.TestCase):
+    def test_a_point_is_the_slowest_time_and_the_worst_error_and_names_its_run(self):
+        of = case("A")
+        (point,) = page.settings([row(of, LIGHT, 0.2, wall=5.0), row(of, HEAVY, 0.9, wall=1.0)])
+        self.assertEqual((point.wall_s, point.error, point.id), (5.0, 0.9, "A/heavy/wcsph/1"))
+        self.assertEqual(page.settings([row(of, LIGHT, 0.2), row(of, HEAVY, None)]), [], "one failed")
+
+
+class Words(unittest.TestCase):
+    def test_reasons_stand_only_where_something_misses_or_does_not_converge(self):
+        told = {"why": "because of this", "order_why": "because of that"}
+        cases = [case("Met", **told), case("Missed", **told), case("Silent")]
+        rows = [row(cases[0], HEAVY, 0.1, order=2.0)]
+        rows += [row(c, HEAVY, 2.0, order=0.5) for c in cases[1:]]
+        text = written(cases, rows)
+        met, missed, silent = text.split("<h2 id=")[1:4]
+        self.assertNotIn("because", met)
+        self.assertIn("<b>Why it misses:</b> because of this.", missed)
+        self.assertIn("<b>Why its order is below 1:</b> because of that.", missed)
+        self.assertIn("<b>Why it misses:</b> not looked into.", silent)
+        self.assertIn("<b>Why its order is below 1:</b> not looked into.", silent)
+
+    def test_a_target_that_only_a_coarser_run_meets_is_told_from_one_that_none_does(self):
+        of, never = case("A"), case("B")
+        rows = [row(of, HEAVY, 0.4, h=2, wall=0.5), row(of, HEAVY, 2.0), row(never, HEAVY, 2.0)]
+        first, second = re.findall(r'<tr class="first">.*?</tr>', written([of, never], rows), re.S)[:2]
+        self.assertIn("coarser only", first)
+        self.assertIn("not reached", second)
+
+    def test_every_run_has_its_commands_and_every_figure_of_the_summary_leads_to_a_run(self):
+        of, stable = case("A"), case("S", stability=True)
+        text = written([of, stable], [row(of, HEAVY, 0.1), row(stable, HEAVY, 0.1)])
+        for group in ("A/heavy/wcsph/1", "S/heavy/wcsph/1"):
+            for command in (f"run {group}", f"report {group}"):
+                self.assertIn(f"<code>{command}</code>", text)
+        for link in re.findall(r'href="#([^"]+)"', text):
+            self.assertIn(f'id="{link}"', text)
+
+    def test_mass_and_the_scale_of_energy_are_shown(self):
+        of = case("A")
+        text = written([of], [row(of, HEAVY, 0.1)])
+        self.assertIn('<td class="n">-2 J<td class="n">8 J<td class="n">-25 %', text)
+
+    def test_methods_say_their_coupling_scheme_and_where_it_is_another(self):
+        of, joined = case("A"), case("B")
+        rows = [row(of, HEAVY, 0.1), row(case("C"), HEAVY, 0.1), row(joined, HEAVY, 0.1, scheme="iterated")]
+        (line,) = page.methods(rows)
+        self.assertEqual(line["schemes"], [("interlinked", ["A", "C"]), ("iterated", ["B"])])
+
+
+if __name__ == "__main__":
+    unittest.main()
