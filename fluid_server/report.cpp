@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/exchange/hash.h"
@@ -183,8 +184,13 @@ exchange::StepReport Report::step_report(std::uint64_t step, double time, const 
   r.hash = hash;
   r.error[0] = last_.compression_mean;
   r.error[1] = last_.compression_max;
+  if (const ImplicitPressure* implicit = fluid_.implicit()) r.error[2] = implicit->report().residual;
   r.error[3] = interface_residual_;
   r.particles = fluid_.particles().size();
+  r.mass_drift = start_.mass > 0 ? last_.mass / start_.mass - 1 : 0.0;
+  r.energy_gain = energy_.left_out().empty() ? energy_.share() : std::numeric_limits<double>::quiet_NaN();
+  Vec3::Map(r.impulse) = impulse_total_;
+  r.impulse_scale = impulse_scale_;
   return r;
 }
 

@@ -146,6 +146,19 @@ Status Collector::take_dry_probes(double time, std::span<const double> bodies) {
   return probes_file_.row(time, row);
 }
 
+LiveErrors Collector::errors() const {
+  LiveErrors out;
+  if (const StepReport& last = totals(Role::kFluid).last; fluid_ && last.step > 0) {
+    out.density_mean = last.error[0], out.density_max = last.error[1];
+    if (last.error[2] > 0) out.pressure = last.error[2];
+    if (rigid_) out.interface = last.error[3];
+    out.mass = last.mass_drift;
+    if (!std::isnan(last.energy_gain)) out.energy = last.energy_gain;
+  }
+  out.momentum = lockstep_.imbalance();
+  return out;
+}
+
 Collector::Mark Collector::mark(Role role) const {
   return {bodies_.rows(), probes_.rows(), warnings_.size(), totals(role)};
 }

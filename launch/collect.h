@@ -9,6 +9,7 @@
 #include "common/exchange/link.h"
 #include "common/result.h"
 #include "common/scene/scene.h"
+#include "launch/live_errors.h"
 #include "launch/lockstep.h"
 #include "launch/table.h"
 
@@ -80,6 +81,8 @@ class Collector {
   const StepTotals& totals(exchange::Role role) const { return totals_[static_cast<std::size_t>(role)]; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   std::uint64_t reported() const { return lockstep_.reported(); }
+  /// As far as the step reports have come.
+  LiveErrors errors() const;
 
  private:
   Collector(const Scene& scene, bool fluid, bool rigid);

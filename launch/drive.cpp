@@ -224,14 +224,13 @@ class Driver {
                     .steps = totals.steps,
                     .particles = totals.last.particles,
                     .first = outcome_.resumed_time,
-                    .density_error = totals.last.error[0]});
+                    .errors = collector_.errors()});
   }
 
   void publish() {
-    if (options_.publisher && options_.publisher->status_due()) {
-      const bool begun = collector_.totals(roles_.front()).steps > 0;
-      options_.publisher->status(run_status(obey_.paused() ? "paused" : begun ? "running" : "starting"));
-    }
+    if (!options_.publisher || !options_.publisher->status_due()) return;
+    const bool begun = collector_.totals(roles_.front()).steps > 0;
+    options_.publisher->status(run_status(obey_.paused() ? "paused" : begun ? "running" : "starting"));
   }
 
   RunStatus run_status(const char* state) const {
@@ -239,6 +238,7 @@ class Driver {
     RunStatus s;
     s.state = state;
     s.last = totals.last;
+    s.errors = collector_.errors();
     s.steps = totals.steps;
     s.wall = elapsed();
     s.first_time = outcome_.resumed_time;

@@ -3,10 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace ballast::launch {
 
 using exchange::Role;
 using exchange::StepReport;
+
+std::optional<double> momentum_imbalance(std::span<const double, 3> given, std::span<const double, 3> received,
+                                         double scale) {
+  double difference = 0;
+  for (std::size_t k = 0; k < 3; ++k) difference = std::hypot(difference, given[k] - received[k]);
+  if (difference == 0) return 0.0;
+  return scale > 0 ? difference / scale : std::optional<double>();
+}
 
 Status Lockstep::take(Role role, const StepReport& report) {
   if (!both_) {
@@ -33,6 +43,7 @@ Status Lockstep::take(Role role, const StepReport& report) {
           "a defect of one of the two processes: run again with --engine free_body to see which", "", kProcessFailed};
     }
     reported_ = f.step;
+    imbalance_ = momentum_imbalance(f.impulse, r.impulse, f.impulse_scale);
   }
   return ok();
 }

@@ -1,8 +1,10 @@
-// The line that says how far a run is.
+// The line that says how far a run is, how long it takes, and how wrong it is by now.
 #pragma once
 #include <chrono>
 #include <cstdint>
 #include <string>
+
+#include "launch/live_errors.h"
 
 namespace ballast::launch {
 
@@ -11,8 +13,8 @@ struct ProgressState {
   double time = 0, duration = 0, dt = 0, wall = 0;  ///< s
   std::string limit;                                ///< what limits dt; empty if nothing is known
   std::uint64_t steps = 0, particles = 0;
-  double first = 0;          ///< s, simulated time at the start: not 0 where a run is resumed
-  double density_error = 0;  ///< relative, mean over the particles
+  double first = 0;  ///< s, simulated time at the start: not 0 where a run is resumed
+  LiveErrors errors;
 };
 
 /// One line rewritten four times a second on a terminal, a plain line every 5 s elsewhere; on stderr.
@@ -30,7 +32,10 @@ class Progress {
   std::chrono::steady_clock::time_point next_;
 };
 
-/// The line itself.
-std::string progress_text(const ProgressState& state);
+inline constexpr std::size_t kProgressColumns = 100;  ///< at most, however wide the terminal is
+
+/// The line itself. Where there is no room for all of it, what says least gives way: the number of particles, the step,
+/// the speed, the simulated time, then errors at rounding level.
+std::string progress_text(const ProgressState& state, std::size_t columns = kProgressColumns);
 
 }  // namespace ballast::launch

@@ -9,6 +9,7 @@
 
 #include "common/exchange/link.h"
 #include "common/result.h"
+#include "launch/live_errors.h"
 #include "launch/prepare.h"
 
 namespace ballast::launch {
@@ -18,6 +19,7 @@ struct RunStatus {
   int run = 0;                  ///< process id of the coordinator
   std::string state;            ///< starting, running, paused, finished, failed
   exchange::StepReport last{};  ///< of the fluid, or of the rigid process alone
+  LiveErrors errors;
   std::uint64_t steps = 0;
   double wall = 0;        ///< s since the start
   double first_time = 0;  ///< s, simulated at the start: not 0 where a run is resumed

@@ -2,6 +2,7 @@
 #include "launch/publish_messages.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/output/columns.h"
 
@@ -160,10 +161,14 @@ status_t status_message(const MessageFacts& facts, const RunStatus& s, const std
   m.wall = s.wall;
   m.real_time_factor = speed.update(s.last.time, s.wall);
   m.real_time_factor_mean = s.wall > 0 && s.steps > 0 ? (s.last.time - s.first_time) / s.wall : 0;
-  m.density_error_mean = s.last.error[0];
-  m.density_error_max = s.last.error[1];
-  m.pressure_residual = s.last.error[2];
-  m.interface_residual = s.last.error[3];
+  constexpr double no_figure = std::numeric_limits<double>::quiet_NaN();
+  m.density_error_mean = s.errors.density_mean.value_or(0);
+  m.density_error_max = s.errors.density_max.value_or(0);
+  m.pressure_residual = s.errors.pressure.value_or(0);
+  m.interface_residual = s.errors.interface.value_or(0);
+  m.mass_drift = s.errors.mass.value_or(no_figure);
+  m.momentum_imbalance = s.errors.momentum.value_or(no_figure);
+  m.energy_gain = s.errors.energy.value_or(no_figure);
   m.particles = static_cast<std::int64_t>(s.last.particles);
   m.bodies = static_cast<std::int32_t>(facts.moving.size());
   m.fluid_pid = s.fluid.pid;

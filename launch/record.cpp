@@ -192,10 +192,7 @@ std::optional<double> momentum_imbalance(const json& fluid, const json& rigid) {
   const auto given = vector_of(fluid, "momentum_to_bodies_N_s"), received = vector_of(rigid, "momentum_received_N_s");
   const json scale = get(get(fluid, "ledger"), "momentum_scale");
   if (!given || !received || !scale.is_number()) return std::nullopt;
-  double difference = 0;
-  for (std::size_t k = 0; k < 3; ++k) difference = std::hypot(difference, (*given)[k] - (*received)[k]);
-  if (difference == 0) return 0.0;
-  return scale.get<double>() > 0 ? difference / scale.get<double>() : std::optional<double>();
+  return momentum_imbalance(*given, *received, scale.get<double>());
 }
 
 json make_record(const Prepared& prepared, const Outcome& outcome, const Collector& collector,

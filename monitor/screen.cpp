@@ -42,6 +42,18 @@ std::string process_text(const char* name, int pid, const std::string& state) {
   return state == "none" ? fmt::format("no {} process", name) : fmt::format("{} {} (pid {})", name, state, pid);
 }
 
+/// Mass and momentum that are missing, energy that nobody gave; NaN: the run has no such balance.
+std::string balance_text(const status_t& s) {
+  std::string text;
+  const auto add = [&](double value, const std::string& figure) {
+    if (!std::isnan(value)) text += (text.empty() ? "" : "; ") + figure;
+  };
+  add(s.mass_drift, fmt::format("mass {:.3g} %", 100 * s.mass_drift));
+  add(s.momentum_imbalance, fmt::format("momentum {:.1g}", s.momentum_imbalance));  // rounding errors, or a defect
+  add(s.energy_gain, fmt::format("energy gained {:.3g} %", 100 * s.energy_gain));
+  return text;
+}
+
 }  // namespace
 
 template <class Message>
@@ -161,6 +173,7 @@ void View::fluid_lines(std::vector<std::string>& out) const {
   // free bodies have a rounding error
   if (s.interface_residual > 1e-9) error += fmt::format("; interface {:.3g} %", 100 * s.interface_residual);
   out.push_back(error);
+  if (const std::string balance = balance_text(s); !balance.empty()) out.push_back("balance    " + balance);
   if (fluid_) {
     const fluid_statistics_t& f = *fluid_;
     out.push_back(fmt::format("fluid      {} particles, {} lost; fastest {:.3g} m/s, sound {:.3g} m/s", f.particles,

@@ -82,7 +82,10 @@ Status ClientReport::accept(exchange::Link& link, const StepRecord& step) {
   ++steps_;
   last_ = step;
   last_row_written_ = false;
-  if (auto sent = link.report(step.report); !sent) return sent;
+  exchange::StepReport report = step.report;
+  Map<Vector3d>(report.impulse) = impulse_total_;
+  report.impulse_scale = impulse_scale_;
+  if (auto sent = link.report(report); !sent) return sent;
   const double every = manifest_.world->output_every;
   const std::int64_t number = every > 0 ? intervals_passed(step.report.time, every) : last_row_ + 1;
   if (number <= last_row_) return ok();

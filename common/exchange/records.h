@@ -9,7 +9,7 @@
 namespace ballast::exchange {
 
 inline constexpr std::uint64_t kMagic = 0x3154534c4c41420aULL;  // "\nBALLST1", little endian
-inline constexpr std::uint32_t kProtocolVersion = 6;
+inline constexpr std::uint32_t kProtocolVersion = 7;
 
 enum class BodyMotion : std::uint32_t { kStatic = 0, kDynamic = 1, kPrescribed = 2 };
 enum class ShapeType : std::uint32_t { kBox = 0, kSphere = 1, kCylinder = 2, kCapsule = 3, kPlane = 4, kMesh = 5 };
@@ -179,8 +179,13 @@ struct StepReport {
   std::uint64_t hash;              ///< of the bodies' state as this process knows it at the end of the step
   double error[4];                 ///< density mean, density max, pressure residual, interface residual (relative)
   std::uint64_t particles;
+  // Balances since the start of the run, resumed or not.
+  double mass_drift;     ///< the fluid's mass over that at the start, less 1; 0 from a rigid process
+  double energy_gain;    ///< the most that the fluid has gained, over the energy at play; NaN: no balance of energy
+  double impulse[3];     ///< N s, world: of the fluid on all bodies that move; as given by the fluid, as received there
+  double impulse_scale;  ///< N s, magnitudes of its parts (a body, a step) added up
 };
-static_assert(sizeof(StepReport) == 16 + 8 * 10);
+static_assert(sizeof(StepReport) == 16 + 8 * 16);
 
 /// For monitors: the fluid as a whole, fluid -> coordinator.
 struct FluidStatistics {

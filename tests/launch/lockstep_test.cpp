@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 namespace ballast::launch {
 namespace {
 
@@ -42,10 +45,28 @@ TEST(Lockstep, RefusesDifferentSteps) {
   EXPECT_FALSE(lockstep.take(Role::kRigid, report(1, 7)));
 }
 
+TEST(Lockstep, BalancesTheMomentumOfTheSameStep) {
+  Lockstep lockstep(true);
+  const auto take = [&](Role role, std::uint64_t step, std::array<double, 3> impulse, double scale) {
+    StepReport out = report(step, 7);
+    std::ranges::copy(impulse, out.impulse);
+    out.impulse_scale = scale;
+    EXPECT_TRUE(lockstep.take(role, out));
+  };
+  take(Role::kFluid, 1, {4, 4, 1}, 10);
+  take(Role::kFluid, 2, {90, 0, 0}, 100);
+  EXPECT_FALSE(lockstep.imbalance());
+  take(Role::kRigid, 1, {1, 0, 1}, 99);
+  EXPECT_DOUBLE_EQ(*lockstep.imbalance(), 0.5);  // |(3, 4, 0)| / 10
+  take(Role::kRigid, 2, {90, 0, 0}, 99);
+  EXPECT_EQ(lockstep.imbalance(), 0.0);
+}
+
 TEST(Lockstep, OfOneProcessHasNothingToCompare) {
   Lockstep lockstep(false);
   EXPECT_TRUE(lockstep.take(Role::kRigid, report(5, 7)));
   EXPECT_EQ(lockstep.reported(), 5u);
+  EXPECT_FALSE(lockstep.imbalance());
 }
 
 }  // namespace

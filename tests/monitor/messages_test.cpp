@@ -1,6 +1,8 @@
 // Frames become messages with the right numbers in the right fields, in chunks that fit one datagram.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "launch/publish_messages.h"
 #include "tests/monitor/frames.h"
 
@@ -94,6 +96,32 @@ TEST(Messages, OfTheFluidHoldItsStatistics) {
   EXPECT_EQ(m.pressure_time, 3);
   EXPECT_EQ(m.wait_time, 1);
   EXPECT_EQ(m.step_limit, "sound");
+}
+
+TEST(Messages, OfTheStatusHoldTheErrorsSoFarAndNoNumberWhereThereIsNone) {
+  launch::RealTimeFactor speed;
+  launch::RunStatus status;
+  status.errors = {.density_mean = 0.003,
+                   .density_max = 0.2,
+                   .pressure = 1e-4,
+                   .interface = 0.5,
+                   .mass = -0.01,
+                   .momentum = 2e-16,
+                   .energy = 0.02};
+  const status_t all = launch::status_message(facts_with(1), status, "sound", speed);
+  EXPECT_EQ(all.density_error_mean, 0.003);
+  EXPECT_EQ(all.density_error_max, 0.2);
+  EXPECT_EQ(all.pressure_residual, 1e-4);
+  EXPECT_EQ(all.interface_residual, 0.5);
+  EXPECT_EQ(all.mass_drift, -0.01);
+  EXPECT_EQ(all.momentum_imbalance, 2e-16);
+  EXPECT_EQ(all.energy_gain, 0.02);
+  status.errors = {};
+  const status_t none = launch::status_message(facts_with(1), status, "sound", speed);
+  EXPECT_EQ(none.density_error_mean, 0);
+  EXPECT_TRUE(std::isnan(none.mass_drift));
+  EXPECT_TRUE(std::isnan(none.momentum_imbalance));
+  EXPECT_TRUE(std::isnan(none.energy_gain));
 }
 
 TEST(Messages, RealTimeFactorIsThatOfTheLastSecondsNotOfTheWholeRun) {

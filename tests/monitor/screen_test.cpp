@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "msgs/channels.h"
 
 namespace ballast::monitor {
@@ -59,6 +61,26 @@ TEST(Screen, SaysHowTheRunStands) {
                            "density 0.3 % in the mean, 20 % at worst; interface 140 %", "warnings   none"}) {
     EXPECT_THAT(screen, HasSubstr(part));
   }
+}
+
+TEST(Screen, SaysWhichBalancesARunHas) {
+  View view;
+  status_t status = a_status();
+  status.mass_drift = -0.00125;
+  status.momentum_imbalance = 2.4e-16;
+  status.energy_gain = 0.02;
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), HasSubstr("\nbalance    mass -0.125 %; momentum 2e-16; energy gained 2 %\n"));
+  status.momentum_imbalance = status.energy_gain = std::numeric_limits<double>::quiet_NaN();
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), HasSubstr("\nbalance    mass -0.125 %\n"));
+  status.mass_drift = status.energy_gain;  // before the first step
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), Not(HasSubstr("balance")));
+  status.fluid_state = "none";
+  status.mass_drift = 0;
+  hear(view, msgs::kStatus, status);
+  EXPECT_THAT(text(view), Not(HasSubstr("balance")));
 }
 
 TEST(Screen, SaysThatARunSleeps) {

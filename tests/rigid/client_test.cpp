@@ -191,11 +191,14 @@ TEST(Client, LockstepAppliesWrenchesAndKeepsTheLedger) {
     EXPECT_EQ(session.steps[step - 1].hash, hashes[step - 1]);
     EXPECT_EQ(session.steps[step - 1].step, step);
     impulse += 1e-3 * (vec(alone.wrenches[1].force) + vec(alone.wrenches[2].force));
+    EXPECT_NEAR((vec(session.steps[step - 1].impulse) - impulse).norm(), 0, 1e-12) << "step " << step;
   }
   const json ledger = session.report["ledger"];
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(ledger["momentum_received_N_s"][k].get<double>(), impulse[static_cast<int>(k)], 1e-12);
+    EXPECT_EQ(session.steps.back().impulse[k], ledger["momentum_received_N_s"][k]) << "all along, in the step reports";
   }
+  EXPECT_EQ(session.steps.back().impulse_scale, ledger["momentum_received_scale_N_s"]);
   EXPECT_NEAR(ledger["momentum_received_by_body_N_s"]["body2"][2].get<double>(), 50 * 7e-3, 1e-12);
   EXPECT_EQ(session.report["contact_sets"]["received"], 50);
   EXPECT_EQ(session.report["contact_sets"]["force_mismatch_max"], 0.0);

@@ -3,7 +3,7 @@
 
 Usage: foreign_rigid.py NAME. It polls instead of sleeping, and always wakes; see "Post and wake" there.
 """
-import ctypes, mmap, os, platform, stat, struct, sys, time
+import ctypes, math, mmap, os, platform, stat, struct, sys, time
 
 ORDER, ANSWER, CONTACTS, RIGID_REPORTS, GATE, NEWS = 896, 1024, 1152, 1664, 2304, 2432
 FLUID, RIGID, COORDINATOR = 512, 640, 768
@@ -33,7 +33,7 @@ class Segment:
             fail("not ours alone")
         self.m = mmap.mmap(file, info.st_size)
         magic, version, header, _, size = self.get("QIIQQ", 0)
-        if (magic, version, header, size) != (0x3154534C4C41420A, 6, 4096, info.st_size):
+        if (magic, version, header, size) != (0x3154534C4C41420A, 7, 4096, info.st_size):
             fail("another protocol")
         self.base = ctypes.addressof(ctypes.c_char.from_buffer(self.m))
         self.parts = [self.get("QQ", 128 + 16 * i) for i in range(17)]
@@ -109,13 +109,18 @@ def main(name):
         seg.wake(ANSWER)
         return state_hash(states)
 
-    def report(step, iteration, t, dt, digest):
+    impulse = [0.0] * 4  # x y z and the sum of magnitudes, of steps that are kept
+
+    def report(step, iteration, t, dt, digest, forces):
+        for force in forces:
+            for k, part in enumerate((*force, math.hypot(*force))):
+                impulse[k] += dt * part
         start, size = seg.parts[12]
         head = seg.word(RIGID_REPORTS).value
-        while (head + 24 + 96 - seg.word(RIGID_REPORTS + 128).value) % 2**32 > size:
+        while (head + 24 + 144 - seg.word(RIGID_REPORTS + 128).value) % 2**32 > size:
             time.sleep(1e-3)
-        frame = struct.pack("<IIQd", 0, 96, step, t)
-        frame += struct.pack("<QIIddddQ4dQ", step, iteration, 0, t, dt, 0, 0, digest, 0, 0, 0, 0, 0)
+        frame = struct.pack("<IIQd", 0, 144, step, t)
+        frame += struct.pack("<QIIddddQ4dQ6d", step, iteration, 0, t, dt, 0, 0, digest, 0, 0, 0, 0, 0, 0, 0, *impulse)
         for i, byte in enumerate(frame):
             seg.m[start + (head + i) % size] = byte
         seg.word(RIGID_REPORTS).value = (head + len(frame)) % 2**32
@@ -141,13 +146,13 @@ def main(name):
         saved = [(m, list(x)) for m, x in bodies]
         tail = seg.word(CONTACTS + 128)
         tail.value = (tail.value + 96 * contacts) % 2**32
-        for b, (mass, x) in enumerate(bodies if not flags & 8 else []):
-            force = seg.get("3d", at + 64 + 48 * b)
+        forces = [seg.get("3d", at + 64 + 48 * b) for b in range(n)]
+        for (mass, x), force in zip(bodies if not flags & 8 else [], forces):
             for k in range(3):
                 x[7 + k] += dt * (gravity[k] + force[k] / mass)
                 x[k] += dt * x[7 + k]
         seg.put("Q", RIGID + 24, step)
-        pending = (step, iteration, t + dt, dt, post(received + 1, step, iteration, t + dt))
+        pending = (step, iteration, t + dt, dt, post(received + 1, step, iteration, t + dt), forces)
     if pending:
         report(*pending)
     text = b'{"engine": "foreign_rigid.py"}'

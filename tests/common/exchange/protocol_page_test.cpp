@@ -152,6 +152,13 @@ TEST(protocol_page, is_enough_to_write_a_rigid_process_in_another_language) {
   ASSERT_TRUE(first) << first.error().text();
   EXPECT_EQ(states[1].velocity[0], 0.25);
   std::uint64_t hash = 0;
+  std::array<double, 4> given{};  // impulse and the sum of its magnitudes, of what is kept
+  const auto give = [&](double dt) {
+    for (const Wrench& w : wrenches) {
+      for (std::size_t k = 0; k < 3; ++k) given[k] += dt * w.force[k];
+      given[3] += dt * std::hypot(w.force[0], w.force[1], w.force[2]);
+    }
+  };
   for (std::uint64_t step = 1; step <= 60; ++step) {
     before = states;
     for (std::uint32_t iteration = 0; iteration < (step % 3 == 0 ? 2u : 1u); ++iteration) {
@@ -173,8 +180,11 @@ TEST(protocol_page, is_enough_to_write_a_rigid_process_in_another_language) {
         }
       }
     }
+    give(step % 3 == 0 ? 0.011 : 0.01);
   }
-  ASSERT_TRUE(link.send(order_of(61, kAsleep), wrenches, {}));
+  const Order last = order_of(61, kAsleep);
+  ASSERT_TRUE(link.send(last, wrenches, {}));
+  give(last.dt);
   auto asleep = link.receive(61, 0, states);
   ASSERT_TRUE(asleep) << asleep.error().text();
   EXPECT_EQ(asleep->hash, hash) << "bodies that sleep do not move";
@@ -186,6 +196,9 @@ TEST(protocol_page, is_enough_to_write_a_rigid_process_in_another_language) {
   ASSERT_EQ(frames.size(), 61u);
   EXPECT_EQ(frames.back().step_report().hash, hash);
   EXPECT_EQ(frames[2].step_report().iteration, 1u);
+  const StepReport end = frames.back().step_report();
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(end.impulse[k], given[k], 1e-12 * given[3]);
+  EXPECT_NEAR(end.impulse_scale, given[3], 1e-12 * given[3]);
   EXPECT_EQ(control.final_report(Role::kRigid), "{\"engine\": \"foreign_rigid.py\"}");
 }
 
