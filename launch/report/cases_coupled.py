@@ -145,7 +145,7 @@ CLOSED_BOX = Case(
     scene="closed_box",
     about="A periodic box without gravity, water and three bodies, two of them joined: more than 10,000 steps.",
     source="conservation; single precision in the fluid",
-    resolutions=(("coarse", 0.08), ("10s", 0.05)),
+    resolutions=(("coarse", 0.08), ("10s", 0.05), ("1min", 0.04)),
     measures=(
         Measure("drift of total momentum", "", momentum_drift, (1e-5,)),
         Measure("given against received", "", lambda r: r.record["ledger"]["imbalance_relative"], (1e-12,)),
