@@ -212,6 +212,7 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
         "commit": commit(place.tree),
         "repeats": chosen.repeats,
         "load": [min(loads), max(loads)],
+        "busy": max(loads) > max((r["threads"] for r in rows if r.get("threads")), default=1) + 0.5,
         "wall_total": sum(w for r in rows for w in r["walls"]),
         "command": shlex.join(["./launch/ballast", "report", *words]),
         "rows": rows,
