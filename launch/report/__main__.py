@@ -127,6 +127,9 @@ COLUMNS = {
     "status": "status",
 }
 FIGURES = (
+    "order",
+    "scheme",
+    "threads",
     "wall_s",
     "steps",
     "particles",
@@ -150,11 +153,13 @@ def write_results(place: Place, results: dict, part: str) -> None:
     with (place.out / f"results{part}.csv").open("w", newline="") as file:
         table = csv.writer(file)
         of_measure = ("name", "unit", "value", "target", "verdict")
-        table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "command"])
+        table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "report", "command"])
         for r in results["rows"]:
             for m in r["measures"]:
-                values = [*(r[k] for k in COLUMNS), *(m[k] for k in of_measure), *(r.get(k) for k in FIGURES)]
-                table.writerow([*values, r["run"]])
+                percent = {k: 100 * m[k] for k in ("value", "target") if m["unit"] == "%" and m[k] is not None}
+                shown = m | percent  # in the JSON a share is a share
+                values = [*(r[k] for k in COLUMNS), *(shown[k] for k in of_measure), *(r.get(k) for k in FIGURES)]
+                table.writerow([*values, r["report"], r["run"]])
 
 
 def describe(row: dict) -> str:
@@ -278,6 +283,9 @@ if __name__ == "__main__":
     except Refused as why:
         print(f"ballast report: {why}", file=sys.stderr)
         sys.exit(2)
+    except BrokenPipeError:  # whoever read the lines has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(5)
     except KeyboardInterrupt:
         print("ballast report: stopped; finished runs are kept, the same command goes on", file=sys.stderr)
         sys.exit(5)

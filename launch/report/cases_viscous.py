@@ -73,7 +73,7 @@ SPRING = Case(
         ),
     ),
     methods=COUPLED,
-    variants=tuple(spring(r) for r in (0.01, 0.1, 1, 8)),
+    variants=tuple(spring(r) for r in (0.01, 0.1, 0.5, 1, 2, 8)),
     shown=(1,),
     chart=Chart("t (s)", "x (m)", lambda r: r.series("body.x"), damped, "Chen et al. 1976"),
 )

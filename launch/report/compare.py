@@ -78,9 +78,10 @@ def changes(old: dict, new: dict, against: str) -> dict:
         if a and b and max(a, b) > SHORT and max(a, b) / min(a, b) > 1 + noise:
             lines.append(_line(row, "wall time", seconds(a), seconds(b), b / a, b < a, "faster" if b < a else "slower"))
     machines = "" if old["machine"] == new["machine"] else f" Other machine: {old['machine']}; times do not compare."
+    busy = " Others were at work on the machine: times are upper bounds." if new.get("busy") or old.get("busy") else ""
     note = (
         f"{same} runs in common, {len(new['rows']) - same} only here. Errors that changed by more than {100 * ERROR_NOISE:g} %, "
-        f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}"
+        f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}{busy}"
     )
     if old.get("command"):
         note += f" Before: {old['command']} at {old.get('commit')}."

@@ -123,14 +123,15 @@ def absolute_error(row: dict) -> float | None:
 
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases of fluid (F, B, X) meet all their targets with at least one solver, and how
-    many pairs of case and solver do. The staggered scheme does not count: it is there to show where it fails."""
+    many pairs of case and solver do. The staggered scheme does not count: it is there to show where it fails. Nor
+    does a figure whose reference is not installed."""
     lines = []
     for level in LEVELS[1:]:
         pairs = {}
         for case in (c for c in cases if not c.stability and c.id[0] in "FBX"):
             for method in (m for m in case.methods if m != "staggered"):
                 mine = [r for r in rows if (r["case"], r["method"], r["level"]) == (case.id, method, level)]
-                verdicts = [m["verdict"] for r in mine for m in r["measures"] if m["target"] is not None]
+                verdicts = [m["verdict"] for r in mine for m in r["measures"] if m["verdict"] in ("met", "missed")]
                 if verdicts:
                     pairs[case.id, method] = all(v == "met" for v in verdicts)
         by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
@@ -148,9 +149,9 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     return lines
 
 
-def points_of(rows: list[dict]) -> list[dict]:
-    """Rows that are a point in the chart of error against time."""
-    return [r for r in rows if r["wall_s"] and headline(r)["value"] is not None]
+def points_of(rows: list[dict], index: int = 0) -> list[dict]:
+    """Rows that are a point in the chart of the error `index` (0: the headline's) against time."""
+    return [r for r in rows if r["wall_s"] and r["measures"][index]["value"] is not None]
 
 
 def mark(rows: list[dict]) -> None:
@@ -169,14 +170,16 @@ def mark(rows: list[dict]) -> None:
             some[index]["pareto"] = True
 
 
-def times_to_targets(case: Case, rows: list[dict]) -> list[dict]:
-    """The wall time that every group needs to reach each target of the headline measure; None where not reached.
-    Groups with the same targets together."""
+def times_to_targets(case: Case, rows: list[dict], index: int = 0) -> list[dict]:
+    """The wall time that every group needs to reach each target of a measure; None where not reached. Groups with the
+    same targets together."""
     tables: dict[tuple[float, ...], list[dict]] = {}
     variants = {v.name: v for v in case.variants}
     for group in dict.fromkeys(r["group"] for r in rows):
         members = [r for r in rows if r["group"] == group]
-        targets = tuple(dict.fromkeys(case.measures[0].targets_of(variants[members[0]["variant"]])))
-        points = [(r["wall_s"], headline(r)["value"]) for r in points_of(members)]
+        targets = tuple(dict.fromkeys(case.measures[index].targets_of(variants[members[0]["variant"]])))
+        points = [(r["wall_s"], r["measures"][index]["value"]) for r in points_of(members, index)]
         tables.setdefault(targets, []).append({"group": group, "times": [time_to_reach(t, points) for t in targets]})
-    return [{"targets": targets, "lines": lines} for targets, lines in tables.items() if targets]
+    return [
+        {"measure": case.measures[index], "targets": targets, "lines": lines} for targets, lines in tables.items() if targets
+    ]

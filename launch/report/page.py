@@ -54,22 +54,22 @@ class Point:
     id: str  # which is this run
 
 
-def settings(rows: list[dict]) -> list[Point]:
+def settings(rows: list[dict], index: int) -> list[Point]:
     """Of one method, coarse to fine; all variants must have an error."""
     points = []
     for h in sorted({r["h"] for r in rows}, reverse=True):
         mine = [r for r in rows if r["h"] == h]
-        with_error = points_of(mine)
-        bad = max(with_error, key=lambda r: headline(r)["value"], default=None)
-        if bad and len(with_error) == len(mine) and headline(bad)["value"] > 0:
+        with_error = points_of(mine, index)
+        bad = max(with_error, key=lambda r: r["measures"][index]["value"], default=None)
+        if bad and len(with_error) == len(mine) and bad["measures"][index]["value"] > 0:
             wall = max(r["wall_s"] for r in mine)
-            points.append(Point(bad["method"], h, wall, headline(bad)["value"], bad["id"]))
+            points.append(Point(bad["method"], h, wall, bad["measures"][index]["value"], bad["id"]))
     return points
 
 
-def target_lines(case: Case, rows: list[dict]) -> list[tuple[float, str]]:
-    """Targets of the headline with a word each: its level, and the variant where they depend on it."""
-    measure, out = case.measures[0], {}
+def target_lines(case: Case, rows: list[dict], index: int) -> list[tuple[float, str]]:
+    """Targets of a measure with a word each: its level, and the variant where they depend on it."""
+    measure, out = case.measures[index], {}
     by_variant = {v.name: measure.targets_of(v) for v in case.variants}
     for name, targets in by_variant.items():
         words = ["target"]
@@ -80,16 +80,22 @@ def target_lines(case: Case, rows: list[dict]) -> list[tuple[float, str]]:
     return list(out.items())
 
 
-def error_chart(case: Case, rows: list[dict]) -> tuple[str, list[Point]]:
-    """Headline error against wall time, log-log, resolutions of one method joined; and the Pareto front's points."""
-    measure = case.measures[0]
+def of_variants_with_target(case: Case, rows: list[dict], index: int) -> list[dict]:
+    """Runs of the variants that a measure is judged at; all, if it is judged at none."""
+    judged = {v.name for v in case.variants if case.measures[index].targets_of(v)}
+    return [r for r in rows if r["variant"] in judged] or rows
+
+
+def error_chart(case: Case, rows: list[dict], index: int = 0) -> dict | None:
+    """A measure against wall time, log-log, resolutions of one method joined; with the Pareto front's points."""
+    measure, rows = case.measures[index], of_variants_with_target(case, rows, index)
     plot = Plot(
         "wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True
     )
     scale = 100 if measure.unit == "%" else 1
     every: list[Point] = []
     for method in dict.fromkeys(r["method"] for r in rows):
-        points = settings([r for r in rows if r["method"] == method])
+        points = settings([r for r in rows if r["method"] == method], index)
         every += points
         style = f"linespoints lc rgb '{COLOURS[method]}' pt {MARKS[method]} ps 0.7 lw 1.2"
         plot.lines.append(Line(method, [p.wall_s for p in points], [scale * p.error for p in points], style))
@@ -100,8 +106,8 @@ def error_chart(case: Case, rows: list[dict]) -> tuple[str, list[Point]]:
         Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
     ]
     plot.lines = [line for line in plot.lines if line.x]
-    plot.levels = [(scale * target, word) for target, word in target_lines(case, rows)]
-    return (draw(plot), front) if every else ("", [])
+    plot.levels = [(scale * target, word) for target, word in target_lines(case, rows, index)]
+    return {"image": draw(plot), "measure": measure, "front": front} if every else None
 
 
 def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tuple[str, str]:
@@ -165,7 +171,7 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
 def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
     chart, missing = reference_chart(case, rows, references)
     folders = [place.out / "runs" / r["id"] for r in rows]
-    error_against_time, front = error_chart(case, rows)
+    judged = [i for i, m in enumerate(case.measures) if i == 0 or any(m.targets_of(v) for v in case.variants)]
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
         "case": case,
@@ -173,13 +179,12 @@ def case_section(place: Place, case: Case, rows: list[dict], references: list[Pa
         "missed": any(m["verdict"] == "missed" for r in rows for m in r["measures"]),
         "judged": any(m["target"] is not None for r in rows for m in r["measures"]),
         "low_order": any(is_low(r.get("order")) for r in rows),
-        "error_chart": error_against_time,
-        "front": front,
+        "error_charts": [c for c in (error_chart(case, rows, i) for i in judged) if c],
         "reference_chart": chart,
         "missing": missing,
         "start": next((t for t in (thumbnail(f / "start.png") for f in folders) if t), ""),
         "picture": next((t for t in (thumbnail(f / "picture.png") for f in folders) if t), ""),
-        "times": times_to_targets(case, rows),
+        "times": [table for i in judged for table in times_to_targets(case, rows, i)],
     }
 
 

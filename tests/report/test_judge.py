@@ -42,6 +42,15 @@ class MetByLevel(unittest.TestCase):
         self.assertEqual(ten["missed"], ["X1"])
         self.assertEqual((minute["level"], minute["cases_met"], minute["cases"]), ("1min", 0, 1))
 
+    def test_a_reference_that_is_not_installed_is_neither_met_nor_missed(self):
+        absent = row("X1", "wcsph", "reference not installed")
+        absent["measures"][0]["value"] = None
+        self.assertEqual(judge.met_by_level([case("X1")], [absent]), [])
+        both = row("X4", "wcsph", "met")
+        both["measures"] += absent["measures"]
+        [ten] = judge.met_by_level([case("X4")], [both])
+        self.assertEqual((ten["cases_met"], ten["cases"]), (1, 1))
+
 
 class Order(unittest.TestCase):
     def test_an_error_that_stays_the_same_in_spacings_is_of_first_order(self):

@@ -19,6 +19,16 @@ def case(name: str, **more) -> Case:
     return Case(name, "title", "about.", "scene", (("10s", 1.0),), (measure,), variants=(LIGHT, HEAVY), **more)
 
 
+class Judged(unittest.TestCase):
+    def test_variants_that_only_show_something_are_not_in_the_chart_of_errors(self):
+        heavy_only = Measure("e", "", lambda run: 0.0, lambda v: () if v is LIGHT else (1.0,))
+        of = Case("X1", "", "", "", (), (heavy_only,), variants=(LIGHT, HEAVY))
+        rows = [{"variant": v.name} for v in (LIGHT, HEAVY)]
+        self.assertEqual(page.of_variants_with_target(of, rows, 0), rows[1:])
+        none = Case("X7", "", "", "", (), (Measure("e", "", lambda run: 0.0),), variants=(LIGHT, HEAVY))
+        self.assertEqual(page.of_variants_with_target(none, rows, 0), rows)
+
+
 def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: float = 1.0, **more) -> dict:
     target = of.measures[0].target(variant, "10s")
     group = "/".join(x for x in (of.id, variant.name, "wcsph") if x)
@@ -87,9 +97,9 @@ class Targets(unittest.TestCase):
 class Front(unittest.TestCase):
     def test_a_point_is_the_slowest_time_and_the_worst_error_and_names_its_run(self):
         of = case("A")
-        (point,) = page.settings([row(of, LIGHT, 0.2, wall=5.0), row(of, HEAVY, 0.9, wall=1.0)])
+        (point,) = page.settings([row(of, LIGHT, 0.2, wall=5.0), row(of, HEAVY, 0.9, wall=1.0)], 0)
         self.assertEqual((point.wall_s, point.error, point.id), (5.0, 0.9, "A/heavy/wcsph/1"))
-        self.assertEqual(page.settings([row(of, LIGHT, 0.2), row(of, HEAVY, None)]), [], "one failed")
+        self.assertEqual(page.settings([row(of, LIGHT, 0.2), row(of, HEAVY, None)], 0), [], "one failed")
 
 
 class Words(unittest.TestCase):

@@ -64,6 +64,10 @@ class Report(unittest.TestCase):
             self.assertLess(abs(float(row["energy_balance_J"])), 0.01 * float(row["energy_scale_J"]))
             self.assertGreater(float(row["density_error"]), 0)
             self.assertEqual(row["command"].split()[1], "run")
+            self.assertEqual(row["report"].split()[1], "report")
+        pressure = json.loads((self.out / "a/results_part.json").read_text())["rows"][0]["measures"][0]
+        self.assertEqual(rows[0]["unit"], "%")  # a share in the JSON, per cent for whoever reads the table
+        self.assertAlmostEqual(float(rows[0]["value"]), 100 * pressure["value"])
 
     def test_the_speed_of_a_sphere_in_its_box_follows_from_momentum_at_all_times(self):
         import cases_viscous
