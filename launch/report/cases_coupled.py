@@ -1,5 +1,6 @@
 """Cases of bodies that only the fluid drives, with an exact answer."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -134,6 +135,27 @@ NEUTRAL = Case(
 )
 
 
+def effective_density(run: Outcome) -> float:
+    """At which the disc would neither rise nor sink, over the water's: what the water bears, over g and its volume."""
+    return run.mean("disc.fz", 1) / (1000 * G * math.pi * 0.1**2)
+
+
+HELD = Case(
+    id="B10d",
+    title="Neutral buoyancy: effective density",
+    scene="report/held_disc",
+    about="The same disc, held at four places of the lattice; the force of the water on it says at which density it would stay where it is.",
+    source="Archimedes",
+    order_why="0.4 % are of the sum over neighbours, at any spacing (F1); implicit at 1.25 cm 0.3 to 0.6 %",
+    resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
+    measures=(Measure("effective density", "%", lambda r: abs(effective_density(r) - 1), (0.02, 0.01, 0.005)),),
+    variants=tuple(
+        Variant(f"{name}", {"models.disc.pose": f"[{0.5 + x}, 0, {0.5 + z}]"}, {"x": x, "z": z})
+        for name, x, z in (("centred", 0, 0), ("right", 0.004, 0), ("above", 0, 0.003), ("aslant", 0.0025, -0.0055))
+    ),
+)
+
+
 def momentum_drift(run: Outcome) -> float:
     """The scene's own expectation: change of the momentum of fluid and bodies over the sum of all at the start."""
     return next(e["value"] for e in run.record["expect"] if e["name"] == "drift of total momentum")
@@ -154,4 +176,4 @@ CLOSED_BOX = Case(
     methods=("wcsph",),
 )
 
-CASES = (FLOATING_BOX, RELEASE_2D, RELEASE_3D, NEUTRAL, CLOSED_BOX)
+CASES = (FLOATING_BOX, RELEASE_2D, RELEASE_3D, NEUTRAL, HELD, CLOSED_BOX)
