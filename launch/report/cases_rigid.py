@@ -121,6 +121,12 @@ def turning_energy(run: Outcome) -> Array:
     return (INERTIA * np.square(spin_in_body(run, "body"))).sum(1) / 2
 
 
+def spin_kept(run: Outcome) -> Array:
+    """Magnitude of the angular momentum over that at the start."""
+    size = np.linalg.norm(INERTIA * spin_in_body(run, "body"), axis=1)
+    return size / size[0]
+
+
 TUMBLING = Case(
     id="R3",
     title="Turning about the middle axis",
@@ -140,6 +146,7 @@ TUMBLING = Case(
         Measure("time of the first flip", "s", lambda r: flip(r, 1), (0.1,)),
         Measure("time of the fifth flip", "s", lambda r: flip(r, 5), (1.0,)),
         Measure("energy drift", "%", lambda r: largest(turning_energy(r) / turning_energy(r)[0] - 1), (1e-3,)),
+        Measure("drift of the angular momentum", "%", lambda r: largest(spin_kept(r) - 1), (1e-3,)),
     ),
     chart=Chart(
         "t (s)",

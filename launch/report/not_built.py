@@ -12,7 +12,7 @@ LEFT_OUT = {
     "F1": "the largest speed: the rms speed is held to its target",
     "F6": "whether voids open until omega t = 2",
     "B1": "the box of another code's record, which rolls to 45 degrees",
-    "B3": "viscosities of 1e-5 and 1e-3 m^2/s",
+    "B3": "a viscosity of 1e-5 m^2/s",
     "B4": "the wider container, q = 5",
     "B5": "angular momentum with the impulse of the wall, to 1e-6",
     "B9": "an offset of 5 mm at 32 spacings across: tried once, see its reasons",
@@ -21,7 +21,6 @@ LEFT_OUT = {
     "B13": "the gate let go",
     "X1": "when the water arrives",
     "X8": "the speed of the water",
-    "R3": "drift of the angular momentum",
     "R9": "momentum to 1e-12: 1e-8, as rows of bodies have nine digits",
     "R13": "static tension",
 }
