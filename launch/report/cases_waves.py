@@ -41,7 +41,10 @@ PISTON = Case(
         ),
     ),
     methods=("wcsph", "staggered"),
-    variants=tuple(Variant(f"m{m:g}", {"models.piston.mass": f"{200 * m:g}"}, {"ratio": m}) for m in MASSES),
+    variants=tuple(
+        Variant(f"m{m:g}", {"models.piston.mass": f"{200 * m:g}"} | ({"world.duration": "15"} if m > 10 else {}), {"ratio": m})
+        for m in MASSES
+    ),
     chart=Chart(
         "mass of the piston / of the fluid",
         "frequency (Hz)",
