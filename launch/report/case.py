@@ -118,6 +118,11 @@ class Measure:
         return targets[min(LEVELS.index(level) - 1, len(targets) - 1)]
 
 
+def judged_at(targets: tuple[float, ...], **values: float) -> Callable[[Variant], tuple[float, ...]]:
+    """Targets of a measure for the variants that have these values; for the others it only shows something."""
+    return lambda variant: targets if values.items() <= variant.values.items() else ()
+
+
 @dataclass(frozen=True)
 class Chart:
     """Run and reference in one picture. A run gives a curve, or (joined) one point of a curve over the variants."""

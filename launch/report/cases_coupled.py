@@ -60,7 +60,7 @@ def release(
         order_why="explicit: what is left, mostly below 1 %, is of the packing of the particles around the body at the start, another one at every spacing; implicit: 2 to 4.5 %, falling slowly with the spacing in 3-D, where light bodies have most of it, not in 2-D",
         scene=scene,
         about=f"A {shape} let go in a concentric container twice as wide, full of water, at density ratios {RATIOS[0]:g} to "
-        f"{RATIOS[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with -999 g.",
+        f"{RATIOS[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with {1 - 1 / RATIOS[0]:.0f} g.",
         source="Lamb, Hydrodynamics, art. 93",
         resolutions=resolutions,
         measures=(
@@ -150,7 +150,7 @@ HELD = Case(
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(Measure("effective density", "%", lambda r: abs(effective_density(r) - 1), (0.02, 0.01, 0.005)),),
     variants=tuple(
-        Variant(f"{name}", {"models.disc.pose": f"[{0.5 + x}, 0, {0.5 + z}]"}, {"x": x, "z": z})
+        Variant(name, {"models.disc.pose": f"[{0.5 + x}, 0, {0.5 + z}]"})
         for name, x, z in (("centred", 0, 0), ("right", 0.004, 0), ("above", 0, 0.003), ("aslant", 0.0025, -0.0055))
     ),
 )

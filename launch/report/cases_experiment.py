@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from case import Case, Chart, Measure, Outcome, Variant
+from case import Case, Chart, Measure, Outcome, Variant, judged_at
 from metrics import NoFigure, relative, resample, rms
 from references import read_table
 
@@ -45,10 +45,6 @@ def rubbing(cubes: tuple[str, ...]) -> tuple[Variant, ...]:
     )
 
 
-def judged(*targets: float):
-    return lambda variant: targets if variant.values["friction"] == 0.3 else ()
-
-
 def falls(run: Outcome) -> float:
     """When the top cube's centre sinks below 0.225 m, against 1.10 s in the experiment."""
     t, z = run.series("top.z", LIFT)
@@ -67,7 +63,7 @@ ONE_CUBE = Case(
     source=SOURCE,
     resolutions=LEVELS,
     measures=(
-        Measure("track x, rms", "m", lambda r: deviation(r, "cube.x", ONE, "x_m", 1.55), judged(0.10, 0.06, 0.04)),
+        Measure("track x, rms", "m", lambda r: deviation(r, "cube.x", ONE, "x_m", 1.55), judged_at((0.10, 0.06, 0.04), friction=0.3)),
         Measure("way before the gate is lifted", "m", still("cube.x", 1.775), (1e-3,)),
     ),
     variants=rubbing(("cube",)),
@@ -96,13 +92,13 @@ THREE_CUBES = Case(
             "track x of the top cube, rms",
             "m",
             lambda r: deviation(r, "top.x", THREE.format("x"), "x_m", 1.7),
-            judged(0.06, 0.03, 0.015),
+            judged_at((0.06, 0.03, 0.015), friction=0.3),
         ),
         Measure(
             "track z of the top cube, rms",
             "m",
             lambda r: deviation(r, "top.z", THREE.format("z"), "z_m", 1.7),
-            judged(0.06, 0.035, 0.022),
+            judged_at((0.06, 0.035, 0.022), friction=0.3),
         ),
         Measure("top cube below 0.225 m", "%", falls),
         Measure("way before the gate is lifted", "m", still("top.x", 1.775), (1e-3,)),

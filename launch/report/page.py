@@ -80,15 +80,14 @@ def target_lines(case: Case, rows: list[dict], index: int) -> list[tuple[float, 
     return list(out.items())
 
 
-def of_variants_with_target(case: Case, rows: list[dict], index: int) -> list[dict]:
-    """Runs of the variants that a measure is judged at; all, if it is judged at none."""
-    judged = {v.name for v in case.variants if case.measures[index].targets_of(v)}
-    return [r for r in rows if r["variant"] in judged] or rows
+def with_target(rows: list[dict], index: int) -> list[dict]:
+    """Runs of the variants that a measure is judged at, at some level; all, if it is judged at none."""
+    return [r for r in rows if r["measures"][index]["scale"] is not None] or rows
 
 
 def error_chart(case: Case, rows: list[dict], index: int = 0) -> dict | None:
     """A measure against wall time, log-log, resolutions of one method joined; with the Pareto front's points."""
-    measure, rows = case.measures[index], of_variants_with_target(case, rows, index)
+    measure, rows = case.measures[index], with_target(rows, index)
     plot = Plot(
         "wall time (s)", f"{measure.name}{f' ({measure.unit})' if measure.unit else ''}", log_x=True, log_y=True
     )
@@ -186,11 +185,6 @@ def case_section(place: Place, case: Case, rows: list[dict], references: list[Pa
         "picture": next((t for t in (thumbnail(f / "picture.png") for f in folders) if t), ""),
         "times": [table for i in judged for table in times_to_targets(case, rows, i)],
     }
-
-
-def with_target(rows: list[dict], index: int) -> list[dict]:
-    """The variants that a measure has a target for, or all if there is none."""
-    return [r for r in rows if r["measures"][index]["target"] is not None] or rows
 
 
 def worst(rows: list[dict], index: int) -> dict:

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 import page
-from case import Case, Measure, Variant
+from case import Case, Measure, Variant, judged_at
 from judge import times_to_targets
 from runs import Place
 
@@ -21,12 +21,11 @@ def case(name: str, **more) -> Case:
 
 class Judged(unittest.TestCase):
     def test_variants_that_only_show_something_are_not_in_the_chart_of_errors(self):
-        heavy_only = Measure("e", "", lambda run: 0.0, lambda v: () if v is LIGHT else (1.0,))
-        of = Case("X1", "", "", "", (), (heavy_only,), variants=(LIGHT, HEAVY))
-        rows = [{"variant": v.name} for v in (LIGHT, HEAVY)]
-        self.assertEqual(page.of_variants_with_target(of, rows, 0), rows[1:])
-        none = Case("X7", "", "", "", (), (Measure("e", "", lambda run: 0.0),), variants=(LIGHT, HEAVY))
-        self.assertEqual(page.of_variants_with_target(none, rows, 0), rows)
+        targets = judged_at((1.0,), density=1000)
+        self.assertEqual((targets(LIGHT), targets(HEAVY)), ((), (1.0,)))
+        rows = [{"measures": [{"scale": targets(v)[0] if targets(v) else None}, {"scale": None}]} for v in (LIGHT, HEAVY)]
+        self.assertEqual(page.with_target(rows, 0), rows[1:])
+        self.assertEqual(page.with_target(rows, 1), rows, "judged at none")
 
 
 def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: float = 1.0, **more) -> dict:
@@ -84,7 +83,7 @@ class Targets(unittest.TestCase):
         self.assertEqual((line["measures"][0]["met"], line["measures"][0]["of"]), (1, 2))
 
     def test_a_variant_without_a_target_is_not_the_worst_of_a_measure(self):
-        rows = [{"measures": [{"value": v, "target": t}]} for v, t in ((0.01, 0.1), (None, None))]
+        rows = [{"measures": [{"value": v, "target": t, "scale": t}]} for v, t in ((0.01, 0.1), (None, None))]
         self.assertIs(page.worst(rows, 0), rows[0])
 
     def test_times_stand_under_their_targets(self):
