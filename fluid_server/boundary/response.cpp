@@ -17,9 +17,7 @@ Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::uniq
       buoyancy_(std::move(buoyancy)),
       films_(std::move(films)) {
   const std::size_t bodies = buoyancy_.size();
-  wet_.resize(samples.size());
-  wet_stamp_.assign(samples.size(), 0);
-  final_force_.resize(samples.size());
+  at_.assign(samples.size(), 0);
   wrenches_.resize(bodies);
   acceleration_.resize(bodies);
   spin_.resize(bodies);
@@ -32,13 +30,13 @@ Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::uniq
 void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                      const PassConstants& constants, std::span<const exchange::BodyState> states, Scheme scheme,
                      Films films) {
-  ++stamp_;
   scheme_ = scheme;
   collect(items, extras, sums, constants, states);
   if (films_ && films == Films::kFollow) {
     films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
-      if (wet_stamp_[sample] != stamp_) return {};
-      return Seepage::Wet{wet_[sample].p0, wet_[sample].seen, wet_[sample].area.cast<double>()};
+      const Wet* wet = find(sample);
+      if (!wet) return {};
+      return Seepage::Wet{wet->p0, wet->seen, wet->area.cast<double>()};
     });
     if (!films_->empty()) find_accelerations(states, scheme, false);
     films_->press(states, acceleration_, constants.dt);
@@ -73,6 +71,7 @@ float Response::mirror(float depth, float height) const {
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
+  resize_gently(wet_, sums.size());
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::size_t s = 0; s < sums.size(); ++s) {
     const SampleSums& sum = sums[s];
@@ -80,9 +79,11 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
     Record& record = items.record[item];
     record.p = 0;
     if (constants.viscous) extras.viscous[item] = {record.vx, record.vy, record.vz, -1.f};
+    Wet& wet = wet_[s];
+    wet.sample = kDry;
     if (!(sum.w > 0)) continue;
-    wet_stamp_[sample] = stamp_;
-    Wet& wet = wet_[sample];
+    wet.sample = sample;
+    at_[sample] = static_cast<std::uint32_t>(s);
     const float volume = samples_.volume[sample];
     wet.item = item;
     wet.body = samples_.body[sample];
@@ -119,13 +120,13 @@ double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleS
   for (std::size_t s = 0; s < sums.size(); ++s) {
     if (!(sums[s].w > 0)) continue;
     const std::uint32_t sample = items.source[items.sample_item[s]] & ~Neighbourhood::kSample;
-    const Vec3 arm = wet_[sample].arm.cast<double>();
+    const Vec3 arm = wet_[s].arm.cast<double>();
     Eigen::Matrix<double, 3, 6> velocity;  // of the sample, from the body's twist
     velocity.leftCols<3>().setIdentity();
     for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(arm);
     // What a sample is taken to move at changes more than it does: v + mirror (v - v_fluid).
     drag[samples_.body[sample]] -=
-        (1 + wet_[sample].mirror) * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
+        (1 + wet_[s].mirror) * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
   }
   double fastest = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {
@@ -160,7 +161,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
     Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
     force.head<3>() += buoyancy_[b];
     const Matrix6 added = added_mass(static_cast<std::uint32_t>(b));
-    for_each_wet(static_cast<std::uint32_t>(b), [&](std::uint32_t, const Wet& wet) {
+    for_each_wet(*this, static_cast<std::uint32_t>(b), [&](const Wet& wet) {
       const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
       Vector6 per_pressure;
       per_pressure << area, arm.cross(area);
@@ -184,15 +185,15 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
     chunk.force.setZero(), chunk.torque.setZero();
     for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
-      const std::uint32_t sample = samples_.order[k];
-      if (wet_stamp_[sample] != stamp_) continue;
-      const Wet& wet = wet_[sample];
+      Wet* const found = find(samples_.order[k]);
+      if (!found) continue;
+      Wet& wet = *found;
       const Vec3 arm = wet.arm.cast<double>();
       const Vec3 own = linear + angular.cross(arm) + spin_[b].cross(spin_[b].cross(arm));
       const float p = wet.p0 - own.cast<float>().dot(wet.reach);
       items.record[wet.item].p = p;
-      final_force_[sample] = wet.force + p * wet.area;
-      const Vec3 f = final_force_[sample].cast<double>();
+      wet.final_force = wet.force + p * wet.area;
+      const Vec3 f = wet.final_force.cast<double>();
       chunk.force += f;
       chunk.torque += arm.cross(f) + wet.couple.cast<double>();
     }
@@ -209,7 +210,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
 
 Matrix6 Response::added_mass(std::uint32_t body) const {
   Matrix6 added = Matrix6::Zero();
-  for_each_wet(body, [&](std::uint32_t, const Wet& wet) {
+  for_each_wet(*this, body, [&](const Wet& wet) {
     const Vec3 arm = wet.arm.cast<double>(), area = wet.area.cast<double>(), reach = wet.reach.cast<double>();
     Vector6 per_pressure, per_acceleration;
     per_pressure << area, arm.cross(area);
@@ -229,21 +230,22 @@ void Response::accelerate_body(Neighbourhood& items, std::uint32_t body, const V
   if (scheme_ == Scheme::kStaggered) return;
   acceleration_[body] += change;
   exchange::Wrench& wrench = wrenches_[body];
-  for_each_wet(body, [&](std::uint32_t sample, const Wet& wet) {
+  for_each_wet(*this, body, [&](Wet& wet) {
     const Vec3 arm = wet.arm.cast<double>(), own = change.head<3>() + change.tail<3>().cross(arm);
     const float p = -own.cast<float>().dot(wet.reach);
     items.record[wet.item].p += p;
     const Eigen::Vector3f force = p * wet.area;
-    final_force_[sample] += force;
+    wet.final_force += force;
     Vec3::Map(wrench.force) += force.cast<double>();
     Vec3::Map(wrench.torque) += arm.cross(force.cast<double>());
   });
 }
 
 Vec3 Response::acceleration_of(std::uint32_t sample) const {
-  if (wet_stamp_[sample] != stamp_) return Vec3::Zero();
-  const std::uint32_t b = samples_.body[sample];
-  const Vec3 arm = wet_[sample].arm.cast<double>();
+  const Wet* wet = find(sample);
+  if (!wet) return Vec3::Zero();
+  const std::uint32_t b = wet->body;
+  const Vec3 arm = wet->arm.cast<double>();
   return acceleration_[b].head<3>() + acceleration_[b].tail<3>().cross(arm) + spin_[b].cross(spin_[b].cross(arm));
 }
 
@@ -251,19 +253,20 @@ void Response::push(std::uint32_t sample, const Vec3& arm, const Vec3& force) {
   exchange::Wrench& wrench = wrenches_[samples_.body[sample]];
   Vec3::Map(wrench.force) += force;
   Vec3::Map(wrench.torque) += arm.cross(force);
-  final_force_[sample] += force.cast<float>();
+  if (Wet* wet = find(sample)) wet->final_force += force.cast<float>();
 }
 
 std::span<const exchange::Contact> Response::gather_contacts(std::span<const exchange::BodyState> states) {
   patches_.assign(samples_.patch_body.size(), {});
   for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {
-    if (wet_stamp_[sample] != stamp_) continue;
-    const Wet& wet = wet_[sample];
+    const Wet* const found = find(sample);
+    if (!found) continue;
+    const Wet& wet = *found;
     exchange::Contact& patch = patches_[samples_.patch[sample]];
     const exchange::BodyState& state = states[wet.body];
     const Quat q = rotation_of(state);
     const Vec3 normal = q * samples_.normal[sample].cast<double>();
-    const Vec3 force = final_force_[sample].cast<double>();
+    const Vec3 force = wet.final_force.cast<double>();
     patch.body = wet.body;
     patch.depth = patch.samples ? std::max<double>(patch.depth, wet.penetration) : wet.penetration;
     ++patch.samples;

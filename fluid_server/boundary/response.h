@@ -81,17 +81,20 @@ class Response {
   Vec3 acceleration_of(std::uint32_t sample) const;
 
  private:
-  struct Wet {  // one wet sample
+  static constexpr std::uint32_t kDry = ~0u;
+  struct Wet {                    // one sample near fluid
+    std::uint32_t sample = kDry;  // which, if it is wet
     std::uint32_t item, body;
-    Eigen::Vector3f arm;                               // world, from the centre of mass
-    float penetration;                                 // of the nearest particle's edge below the surface, m
-    float seen;                                        // pressure extrapolated without the body's acceleration
-    float p0;                                          // the share of it that the sample bears
-    Eigen::Vector3f reach;                             // sum V W rho (x_b - x_k) / sum V W
-    Eigen::Vector3f area;                              // S: force per unit pressure
-    Eigen::Vector3f force;                             // what does not depend on p_b
-    float mirror = 1;                                  // see mirror(); viscous fluids only
-    Eigen::Vector3f couple = Eigen::Vector3f::Zero();  // torque of viscous forces beside that of `force` at `arm`
+    Eigen::Vector3f arm;                                    // world, from the centre of mass
+    float penetration;                                      // of the nearest particle's edge below the surface, m
+    float seen;                                             // pressure extrapolated without the body's acceleration
+    float p0;                                               // the share of it that the sample bears
+    Eigen::Vector3f reach;                                  // sum V W rho (x_b - x_k) / sum V W
+    Eigen::Vector3f area;                                   // S: force per unit pressure
+    Eigen::Vector3f force;                                  // what does not depend on p_b
+    Eigen::Vector3f final_force = Eigen::Vector3f::Zero();  // with p_b, and what was pushed
+    float mirror = 1;                                       // see mirror(); viscous fluids only
+    Eigen::Vector3f couple = Eigen::Vector3f::Zero();       // torque of viscous forces beside that of `force` at `arm`
   };
   float mirror(float depth, float height) const;
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
@@ -99,12 +102,18 @@ class Response {
   /// Q: minus the wrench by the pressure of the samples per acceleration of the body.
   Eigen::Matrix<double, 6, 6> added_mass(std::uint32_t body) const;
   Eigen::Matrix<double, 6, 1> film(std::size_t body) const;  ///< wrench of the films on it
-  /// Calls what(sample, wet) for the wet samples of a body, in their order.
-  template <class What>
-  void for_each_wet(std::uint32_t body, What&& what) const {
-    for (std::uint32_t k = samples_.first[body]; k < samples_.first[body + 1]; ++k)
-      if (const std::uint32_t sample = samples_.order[k]; wet_stamp_[sample] == stamp_) what(sample, wet_[sample]);
+  /// Calls what(wet) for the wet samples of a body, in their order.
+  template <class Self, class What>
+  static void for_each_wet(Self& self, std::uint32_t body, What&& what) {
+    for (std::uint32_t k = self.samples_.first[body]; k < self.samples_.first[body + 1]; ++k)
+      if (auto* wet = self.find(self.samples_.order[k])) what(*wet);
   }
+  /// What is known of a sample, null if it is dry.
+  const Wet* find(std::uint32_t sample) const {
+    const std::uint32_t at = at_[sample];
+    return at < wet_.size() && wet_[at].sample == sample ? &wet_[at] : nullptr;
+  }
+  Wet* find(std::uint32_t sample) { return const_cast<Wet*>(std::as_const(*this).find(sample)); }
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
@@ -120,12 +129,9 @@ class Response {
   double spacing_;
   std::vector<Vec3> buoyancy_;
   std::unique_ptr<Seepage> films_;
-  std::vector<Wet> wet_;                      // by sample
-  std::vector<std::uint32_t> wet_stamp_;      // by sample: step in which it was last wet
-  std::uint32_t stamp_ = 1;                   // of the step at hand; before the first nothing is wet
-  Scheme scheme_ = Scheme::kInterlinked;      // of the last solve
-  std::vector<Eigen::Vector3f> final_force_;  // by sample
-  std::vector<std::uint32_t> wet_sample_;     // samples wet now, in item order
+  std::vector<Wet> wet_;                  // samples near fluid, in item order
+  std::vector<std::uint32_t> at_;         // by sample: its place in wet_, if that one names it
+  Scheme scheme_ = Scheme::kInterlinked;  // of the last solve
   std::vector<exchange::Wrench> wrenches_;
   std::vector<Eigen::Matrix<double, 6, 1>> acceleration_;
   std::vector<Vec3> spin_;

@@ -74,6 +74,9 @@ Samples Samples::make(const Scene& scene, const std::vector<Body>& bodies, const
       }
     }
   }
+  // They are as many for the whole run: no room for more.
+  const auto trim = [](auto&... arrays) { (arrays.shrink_to_fit(), ...); };
+  trim(s.body, s.local, s.normal, s.volume, s.depth, s.patch, s.record, s.patch_body);
   s.first.assign(bodies.size() + 1, 0);
   for (std::uint32_t b : s.body) ++s.first[b + 1];
   for (std::size_t b = 1; b < s.first.size(); ++b) s.first[b] += s.first[b - 1];

@@ -99,7 +99,9 @@ class ListBuilder {
     std::size_t candidates = 0;
     for (int w = 0; w < windows.count; ++w) candidates += windows.of[w].end - windows.of[w].begin;
     const std::size_t needed = used + items * (candidates + 2 * Lists::kPad);
-    if (out.size() < needed) out.resize(needed + needed / 4);
+    if (out.size() >= needed) return;
+    out.reserve(needed + needed / 4);  // not twice as much, as resize alone may
+    out.resize(out.capacity());
   }
 
   void add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t buffer, std::size_t& used) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/passes/passes.cpp"
@@ -100,8 +101,11 @@ template <int Dim, KernelKind K>
 void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
              PairGradients& kept) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  const auto gradients = [&](std::uint32_t item) { return const_cast<float*>(kept.gradients(items.lists, item, Dim)); };
-  const auto values = [&](std::uint32_t item) { return const_cast<float*>(kept.values(items.lists, item)); };
+  kept.make_room(items, kLanes, Dim, constants.threads);
+  const auto gradients = [&](std::uint32_t item) {
+    return kept.gradient.data() + std::size_t{kept.place[item]} * (Dim * kLanes);
+  };
+  const auto values = [&](std::uint32_t item) { return kept.value.data() + std::size_t{kept.place[item]} * kLanes; };
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f) {
@@ -266,6 +270,34 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ballast::fluid {
 
+void PairGradients::make_room(const Neighbourhood& items, std::uint32_t lanes, std::uint32_t axes, int threads) {
+  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
+  const auto vectors = [&](std::uint32_t item) { return (items.lists.count[item] + lanes - 1) / lanes; };
+  std::vector<std::uint32_t> before(chunks + 1, 0);  // vectors before each chunk
+  place.resize(size);
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (std::uint32_t c = 0; c < chunks; ++c)
+    for (std::uint32_t i = c * Lists::kChunk; i < std::min(size, (c + 1) * Lists::kChunk); ++i) {
+      place[i] = before[c + 1];
+      before[c + 1] += vectors(i);
+    }
+  std::partial_sum(before.begin(), before.end(), before.begin());
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (std::uint32_t c = 0; c < chunks; ++c)
+    for (std::uint32_t i = c * Lists::kChunk; i < std::min(size, (c + 1) * Lists::kChunk); ++i) place[i] += before[c];
+  const std::size_t entries = std::size_t{before.back()} * lanes;
+  if (value.size() >= entries) return;
+  const std::size_t room = entries + entries / 16;  // it grows a little at a time
+  value = gradient = std::vector<float>();          // never old and new at once
+  value = std::vector<float>(room);
+  gradient = std::vector<float>(room * axes);
+}
+
+std::size_t PairGradients::memory() const {
+  return (gradient.capacity() + value.capacity() + pressure.capacity()) * sizeof(float) +
+         place.capacity() * sizeof(std::uint32_t) + sum.capacity() * sizeof(Sum);
+}
+
 HWY_EXPORT(Build);
 HWY_EXPORT(Advance);
 HWY_EXPORT(Gather);
@@ -295,7 +327,7 @@ void build_lists(Neighbourhood& items, const PassConstants& constants) {
 }
 void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                     std::vector<SampleSums>& sums) {
-  sums.resize(items.sample_item.size());
+  resize_gently(sums, items.sample_item.size());
   HWY_DYNAMIC_DISPATCH(Gather)(items, extras, constants, sums.data());
 }
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
@@ -321,18 +353,9 @@ void find_unevenness(const Neighbourhood& items, const PassConstants& constants,
 }
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
               std::vector<RowSums>& sums, PairGradients& pairs) {
-  const std::size_t buffers = items.lists.buffer.size(), axes = static_cast<std::size_t>(constants.kernel.dimension);
   sums.resize(items.fluid_item.size());
   pairs.sum.resize(items.fluid_item.size());
   pairs.pressure.resize(items.record.size());
-  pairs.gradient.resize(buffers);
-  pairs.value.resize(buffers);
-  for (std::size_t b = 0; b < buffers; ++b) {
-    const std::size_t size = items.lists.buffer[b].size();
-    if (pairs.value[b].size() >= size) continue;
-    pairs.gradient[b].resize(axes * size);
-    pairs.value[b].resize(size);
-  }
   HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data(), pairs);
 }
 void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs,

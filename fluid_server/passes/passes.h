@@ -59,6 +59,14 @@ struct SampleSums {
   float share;    ///< by which the pressure that the sample extrapolates is scaled: 1, less where the solver says so
 };
 
+/// Resizes to `size` with room for an eighth more, not for as much again: what is kept per sample near fluid is large,
+/// and their number grows a little at a time.
+template <class T>
+void resize_gently(std::vector<T>& out, std::size_t size) {
+  if (out.capacity() < size) out.reserve(size + size / 8);
+  out.resize(size);
+}
+
 /// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of
 /// every particle by continuity and density diffusion over dt: `new_pressure`, per particle.
 ///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
@@ -123,23 +131,21 @@ struct Flow {
   float x, y, z, volume;  ///< volume as in Record
 };
 
-/// Gradients and kernel values of all pairs, kept for the products of one solve. Every list of neighbours has its
-/// entries at the same place in these buffers: gradients in blocks of one vector per axis (x, z, y).
+/// Gradients and kernel values of all pairs, kept for the products of one solve, list after list in the order of the
+/// items: gradients in blocks of one vector per axis (x, z, y).
 struct PairGradients {
   struct Sum {
     float x, y, z;          ///< sum V_j g r
     float touches_samples;  ///< 0: no sample among the neighbours
   };
-  std::vector<std::vector<float>> gradient;  ///< V_j g r
-  std::vector<std::vector<float>> value;     ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
-  std::vector<Sum> sum;                      ///< per particle
-  std::vector<float> pressure;               ///< per item: what the product at hand reads
-  const float* gradients(const Lists& lists, std::uint32_t item, std::uint32_t axes) const {
-    return gradient[lists.buffer_of_chunk[item / Lists::kChunk]].data() + std::size_t{axes} * lists.start[item];
-  }
-  const float* values(const Lists& lists, std::uint32_t item) const {
-    return value[lists.buffer_of_chunk[item / Lists::kChunk]].data() + lists.start[item];
-  }
+  std::vector<float> gradient;       ///< V_j g r
+  std::vector<float> value;          ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
+  std::vector<std::uint32_t> place;  ///< per item: vectors of entries before those of its list
+  std::vector<Sum> sum;              ///< per particle
+  std::vector<float> pressure;       ///< per item: what the product at hand reads
+  /// Room for all lists of these items, in vectors of `lanes`.
+  void make_room(const Neighbourhood& items, std::uint32_t lanes, std::uint32_t axes, int threads);
+  std::size_t memory() const;  ///< bytes of all its arrays
 };
 
 /// Row sums of every particle, and the gradients of all pairs.

@@ -23,7 +23,7 @@ class Products {
     const F d;
     const std::uint32_t* list = lists_.of(item);
     const std::uint32_t count = lists_.count[item];
-    const float* value = pairs_.values(lists_, item);
+    const float* value = values(item);
     VF wp = hn::Zero(d);
     for (std::uint32_t k = 0; k < count; k += kLanes) wp = hn::MulAdd(hn::LoadU(d, value + k), pressures(list + k), wp);
     return inverse_w * total(wp);
@@ -34,7 +34,7 @@ class Products {
     const F d;
     const std::uint32_t* list = lists_.of(item);
     const std::uint32_t count = lists_.count[item];
-    const float* gradient = pairs_.gradients(lists_, item, Dim);
+    const float* gradient = gradients(item);
     VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
     for (std::uint32_t k = 0; k < count; k += kLanes, gradient += Dim * kLanes) {
       const VF p = pressures(list + k);
@@ -52,7 +52,7 @@ class Products {
     const F d;
     const std::uint32_t* list = lists_.of(item);
     const std::uint32_t count = lists_.count[item];
-    const float* value = pairs_.values(lists_, item);
+    const float* value = values(item);
     VF w = hn::Zero(d), wp = hn::Zero(d);
     for (std::uint32_t k = 0; k < count; k += kLanes) {
       const VF vw = hn::LoadU(d, value + k);
@@ -70,7 +70,7 @@ class Products {
       const F d;
       const std::uint32_t* list = lists_.of(item);
       const std::uint32_t count = lists_.count[item];
-      const float *gradient = pairs_.gradients(lists_, item, Dim), *value = pairs_.values(lists_, item);
+      const float *gradient = gradients(item), *value = values(item);
       VF cx = hn::Zero(d), cy = hn::Zero(d), cz = hn::Zero(d);
       for (std::uint32_t k = 0; k < count; k += kLanes, gradient += Dim * kLanes) {
         const VF share = hn::Mul(hn::Set(d, volume), hn::Mul(hn::LoadU(d, value + k), pressures(list + k)));
@@ -98,6 +98,12 @@ class Products {
   }
 
  private:
+  const float* gradients(std::uint32_t item) const {
+    return pairs_.gradient.data() + std::size_t{pairs_.place[item]} * (Dim * kLanes);
+  }
+  const float* values(std::uint32_t item) const {
+    return pairs_.value.data() + std::size_t{pairs_.place[item]} * kLanes;
+  }
   HWY_INLINE VF pressures(const std::uint32_t* index) const {
     return hn::GatherIndex(F(), pressure_, hn::BitCast(I(), hn::LoadU(U(), index)));
   }
@@ -107,7 +113,7 @@ class Products {
     const F d;
     const std::uint32_t* list = lists_.of(item);
     const std::uint32_t count = lists_.count[item];
-    const float* gradient = pairs_.gradients(lists_, item, Dim);
+    const float* gradient = gradients(item);
     VF sum = hn::Zero(d);
     for (std::uint32_t k = 0; k < count; k += kLanes, gradient += Dim * kLanes) {
       const Quad v = load_transposed(d, &flow->x, list + k, 4);

@@ -11,7 +11,7 @@ namespace ballast::fluid {
 
 namespace {
 
-constexpr float kNoise = 0.003f;     // compression that disorder alone may show
+constexpr float kNoise = 0.001f;     // compression that disorder alone may show
 constexpr float kDisorder = 0.01f;   // of the summed density, which is not pulled at
 constexpr float kMostBias = 0.002f;  // of that sum, that is put down to disorder where a surface can sink
 constexpr float kLag = 0.02f;        // by how much the compression may be below the summed density
@@ -386,11 +386,7 @@ std::size_t ImplicitPressure::memory() const {
   const auto floats = inverse_w_.capacity() + yielding_.capacity() + diagonal_.capacity() + right_.capacity() +
                       pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() + softness_.capacity() +
                       source_.capacity() + scaled_.capacity() + 7 * pressure_.capacity();
-  std::size_t kept = 0;
-  for (const auto& buffer : pairs_.gradient) kept += buffer.capacity();
-  for (const auto& buffer : pairs_.value) kept += buffer.capacity();
-  return (floats + kept + pairs_.pressure.capacity()) * sizeof(float) +
-         pairs_.sum.capacity() * sizeof(PairGradients::Sum) + rows_.capacity() * sizeof(RowSums) +
+  return floats * sizeof(float) + pairs_.memory() + rows_.capacity() * sizeof(RowSums) +
          flow_.capacity() * sizeof(Flow) + bodies_.memory();
 }
 
