@@ -62,6 +62,7 @@ Report::Report(const Scene& scene, const std::vector<Body>& bodies, const WcsphF
       fluid_(fluid),
       out_dir_(std::move(out_dir)),
       impulse_(bodies.size(), Vec3::Zero()),
+      angular_impulse_(bodies.size(), Vec3::Zero()),
       energy_(scene, bodies, fluid) {
   start_ = last_ = fluid.measure();
   energy_.start(start_);
@@ -110,10 +111,12 @@ void Report::quiet(const QuietReport& quiet) {
 
 void Report::warn(std::string text) { warnings_.push_back(std::move(text)); }
 
-void Report::count_impulses(double dt) {
+void Report::count_impulses(double dt, std::span<const exchange::BodyState> states) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const exchange::Wrench& w = fluid_.wrenches()[b];
+    const Vec3 impulse = Vec3::Map(w.force) * dt;
+    angular_impulse_[b] += Vec3::Map(states[b].position).cross(impulse) + Vec3::Map(w.torque) * dt;
     if (scene_.models[b].motion == Motion::kStatic) continue;
-    const Vec3 impulse = Vec3::Map(fluid_.wrenches()[b].force) * dt;
     impulse_[b] += impulse;
     impulse_total_ += impulse;
     impulse_scale_ += impulse.norm();
@@ -121,15 +124,15 @@ void Report::count_impulses(double dt) {
 }
 
 // Forces on bodies at rest go on; the density error is that of the steps computed.
-void Report::count_slept(double dt) {
+void Report::count_slept(double dt, std::span<const exchange::BodyState> states) {
   ++limits_[static_cast<std::size_t>(Limit::kAsleep)];
-  count_impulses(dt);
+  count_impulses(dt, states);
 }
 
 void Report::count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
                    double dt, double time) {
   ++limits_[static_cast<std::size_t>(limit)];
-  count_impulses(dt);
+  count_impulses(dt, before);
   energy_.step(before, after, dt);
   if (steps_since_measure_++ % 20 == 0) {
     last_ = fluid_.measure();
@@ -282,9 +285,11 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
         {"gain", energy_.left_out().empty() ? json(energy_.gain()) : json(nullptr)},
         {"reference", energy_.reference()},
         {"change", end.kinetic + end.potential + end.elastic - start_.kinetic - start_.potential - start_.elastic}}}};
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    j["ledger"]["angular_per_model_N_m_s"][scene_.models[b].name] = vector_json(angular_impulse_[b]);
     if (scene_.models[b].motion != Motion::kStatic)
       j["ledger"]["per_body_N_s"][scene_.models[b].name] = vector_json(impulse_[b]);
+  }
   for (const FillReport& f : fluid_.filled().reports)
     j["fills"].push_back({{"fluid", f.fluid},
                           {"volume_asked_m3", f.volume_asked},

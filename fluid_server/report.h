@@ -27,7 +27,7 @@ class Report {
   void count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
              double dt, double time);
   /// Books a step of length dt that was slept through.
-  void count_slept(double dt);
+  void count_slept(double dt, std::span<const exchange::BodyState> states);
   /// Books what the two processes disagreed about in the step just counted.
   void interface(Interface& interface, double time);
   /// Measured last (every 20 steps).
@@ -46,6 +46,7 @@ class Report {
   template <class A>
   void state(A& a) {
     a("limits", limits_), a("impulse", impulse_), a("impulse_scale", impulse_scale_);
+    a("angular_impulse", angular_impulse_);
     a("impulse_total", impulse_total_), a("quiet", quiet_), a("start", start_), a("last", last_);
     a("steps_since_measure", steps_since_measure_), a("error_mean_sum", error_mean_sum_), a("error_max", error_max_);
     a("worst_mach", worst_mach_), a("error_count", error_count_), a("lost_seen", lost_seen_);
@@ -60,7 +61,7 @@ class Report {
                    const Interface& interface) const;
 
  private:
-  void count_impulses(double dt);
+  void count_impulses(double dt, std::span<const exchange::BodyState> states);
   void count_energy(double time);
   void warn_of_thin_solids();
 
@@ -70,6 +71,7 @@ class Report {
   std::string out_dir_;
   std::array<std::uint64_t, static_cast<std::size_t>(Limit::kCount)> limits_{};
   std::vector<Vec3> impulse_;          // given to each body, N s
+  std::vector<Vec3> angular_impulse_;  // likewise, about the origin, N m s; static ones too
   double impulse_scale_ = 0;           // sum of magnitudes
   Vec3 impulse_total_ = Vec3::Zero();  // given to all bodies that move
   QuietReport quiet_;

@@ -155,7 +155,7 @@ class Server {
     ++step_;
     time_ = until;
     last_limit_ = Limit::kAsleep;
-    report_.count_slept(dt);
+    report_.count_slept(dt, states_);
     return ok();
   }
 

@@ -35,6 +35,7 @@ std::vector<std::string> probe_columns(const Scene& scene) {
       case ProbeKind::kLevel:
       case ProbeKind::kPressure:
       case ProbeKind::kPressureError:
+      case ProbeKind::kVoid:
         out.push_back(probe.name);
         break;
       case ProbeKind::kVelocity:
@@ -42,6 +43,9 @@ std::vector<std::string> probe_columns(const Scene& scene) {
         break;
       case ProbeKind::kForce:
         append(out, probe.name, {"fx", "fy", "fz", "tx", "ty", "tz"});
+        break;
+      case ProbeKind::kMotion:
+        append(out, probe.name, {"px", "py", "pz", "lx", "ly", "lz", "fastest"});
         break;
       case ProbeKind::kPose:
         append(out, probe.name, {"x", "y", "z", "qw", "qx", "qy", "qz"});

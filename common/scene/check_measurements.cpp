@@ -24,6 +24,7 @@ constexpr Part kParts[] = {{"x", kLength},        {"y", kLength},        {"z", k
                            {"fx", kForceUnit},    {"fy", kForceUnit},    {"fz", kForceUnit},    {"tx", kTorque},
                            {"ty", kTorque},       {"tz", kTorque}};
 constexpr std::string_view kForceParts = " fx fy fz tx ty tz ", kPoseParts = " x y z qw qx qy qz ";
+constexpr const char* kMotionParts[] = {"px", "py", "pz", "lx", "ly", "lz", "fastest"};
 
 /// The columns of one model or probe.
 std::vector<std::string> columns_of(const std::string& name, std::string_view parts) {
@@ -39,7 +40,24 @@ std::vector<std::string> columns_of(const std::string& name, std::string_view pa
 std::vector<std::string> columns_of(const Probe& probe) {
   if (probe.kind == ProbeKind::kForce) return columns_of(probe.name, kForceParts);
   if (probe.kind == ProbeKind::kPose) return columns_of(probe.name, kPoseParts);
-  return {probe.name};
+  if (probe.kind != ProbeKind::kMotion) return {probe.name};
+  std::vector<std::string> columns;
+  for (const char* part : kMotionParts) columns.push_back(fmt::format("{}.{}", probe.name, part));
+  return columns;
+}
+
+/// The key of a probe that names a fluid; empty for the others.
+std::string_view fluid_key(ProbeKind kind) {
+  switch (kind) {
+    case ProbeKind::kPressureError:
+      return "pressure_error";
+    case ProbeKind::kMotion:
+      return "motion_of";
+    case ProbeKind::kVoid:
+      return "void_in";
+    default:
+      return "";
+  }
 }
 
 /// The columns of everything named `owner`, or where nothing is, the names of all that has columns.
@@ -84,7 +102,8 @@ class MeasurementChecker {
   void check(const Probe& probe) {
     if (probe.kind == ProbeKind::kForce) known(probe.target, models_, "model", probe.place, {"force_on"});
     if (probe.kind == ProbeKind::kPose) known(probe.target, models_, "model", probe.place, {"pose_of"});
-    if (probe.kind == ProbeKind::kPressureError) known(probe.target, fluids_, "fluid", probe.place, {"pressure_error"});
+    const std::string_view of_fluid = fluid_key(probe.kind);
+    if (!of_fluid.empty()) known(probe.target, fluids_, "fluid", probe.place, {of_fluid});
     if (!probe.frame.empty()) {
       known(probe.frame, models_, "model", probe.place, {"moves_with"});
       for (const Model& model : scene_.models)
@@ -94,7 +113,7 @@ class MeasurementChecker {
               fmt::format("the model '{}' moves freely: a place in it would not be one in its frame", model.name),
               "Name a static or prescribed model.");
     }
-    const bool needs_fluid = probe.kind != ProbeKind::kPose && probe.kind != ProbeKind::kPressureError;
+    const bool needs_fluid = probe.kind != ProbeKind::kPose && of_fluid.empty();
     if (needs_fluid && scene_.fluids.empty()) {
       state_.fail(probe.place, fmt::format("the probe '{}' measures a fluid, but the scene has none", probe.name),
                   "Add a fluid, or remove the probe.");

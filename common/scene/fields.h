@@ -4,8 +4,7 @@
 // What a visitor v understands:
 // - v(field, member): a key with a value;
 // - v.group(field, list): a key with a map of more keys;
-// - v.option(field, form, code, member): a key whose presence sets form = code; options of one struct exclude each
-// other;
+// - v.option(field, form, code, member): a key that sets form = code; options of one struct exclude each other;
 // - v.option_group(field, form, code, list): the same with a map of more keys;
 // - v.flag(field, form, code): the same with the value true;
 // - v.needs_option(what): one of the options has to be there;
@@ -67,8 +66,7 @@ void visit(V& v, Fill& f) {
     w({"scale", kNone, "one factor or one per axis", kPositive}, Factors{f.scale});
   });
   v.option_group({"level", kNone, "a container up to a level"}, form, std::tuple{FillKind::kLevel}, [&](auto& w) {
-    w({"container", kNone, "open box, hollow shape or mesh that holds the fluid", kAnyNumber, kRequired},
-      Name{f.container});
+    w({"container", kNone, "open box, hollow shape or mesh around it", kAnyNumber, kRequired}, Name{f.container});
     w({"z", kLength, "height of the surface in the world", kAnyNumber, kRequired}, f.level);
   });
   v.needs_option("where the fluid is");
@@ -96,8 +94,7 @@ void visit(V& v, Fluid& f) {
     w({"speed", kSpeed, "largest"}, f.vortex_speed);
     w({"wavelength", kLength, "after which they repeat", kPositive}, f.vortex_wavelength);
   });
-  v({"strain", kFrequency, "at the start, stretching along x, shrinking along z about the centre of the fill"},
-    f.strain);
+  v({"strain", kFrequency, "at the start, stretching along x, shrinking along z about the fill's centre"}, f.strain);
   v({"fill", kNone, "where it is at the start; solids inside are carved out", kAnyNumber, kRequired}, f.fill);
 }
 
@@ -258,8 +255,7 @@ void visit(V& v, Numerics& n) {
     w({"courant", kNone, "number of the acoustic step; 0: the accuracy class's", kNotNegative}, n.courant);
     w({"diffusion", kNone, "delta-SPH density diffusion (Molteni and Colagrossi 2009)", kNotNegative}, n.diffusion);
   });
-  v({"shifting", kNone, "move particles back to even distances; auto: where no weight presses them together"},
-    n.shifting);
+  v({"shifting", kNone, "move particles back to even distances; auto: where no weight presses on them"}, n.shifting);
   v({"artificial_viscosity", kNone, "alpha (Monaghan 1992), between particles only", kNotNegative},
     n.artificial_viscosity);
   v({"energy_bound", kNone, "energy gained by the fluid over that at play, beyond which a run has diverged",
@@ -282,10 +278,14 @@ void visit(V& v, Probe& p) {
            std::tuple{kLevel}, Ground{p.at});
   v.option({"pressure_at", kLength, "pressure at [x, y, z]"}, form, std::tuple{kPressure}, p.at);
   v.option({"velocity_at", kLength, "velocity of the fluid at [x, y, z]"}, form, std::tuple{kVelocity}, p.at);
-  v.option({"force_on", kNone, "force and torque of the fluid on a model"}, form, std::tuple{kForce}, Name{p.target});
-  v.option({"pose_of", kNone, "position and orientation of a model"}, form, std::tuple{kPose}, Name{p.target});
-  v.option({"pressure_error", kNone, "of a fluid at rest against rho g depth"}, form, std::tuple{kPressureError},
-           Name{p.target});
+  const auto of = [&](const char* key, const char* about, ProbeKind kind) {
+    v.option({key, kNone, about}, form, std::tuple{kind}, Name{p.target});
+  };
+  of("force_on", "force and torque of the fluid on a model", kForce);
+  of("pose_of", "position and orientation of a model", kPose);
+  of("pressure_error", "of a fluid at rest against rho g depth", kPressureError);
+  of("motion_of", "momentum and angular momentum (about the origin) of a fluid, its largest speed", kMotion);
+  of("void_in", "largest volume that a fluid encloses with no particle of it within a spacing", kVoid);
   v.needs_option("what is measured");
   v.when(p.kind == kLevel || p.kind == kPressure || p.kind == kVelocity, "probes at a place", [&](auto& w) {
     w({"moves_with", kNone, "static or prescribed model in whose frame the place is given"}, Name{p.frame});

@@ -189,18 +189,20 @@ struct Numerics {
   bool reduced_gravity = false;
 };
 
-enum class ProbeKind { kLevel, kPressure, kVelocity, kForce, kPose, kPressureError };
+enum class ProbeKind { kLevel, kPressure, kVelocity, kForce, kPose, kPressureError, kMotion, kVoid };
 
 /// Something measured at every output time. Columns in probes.csv:
 /// kLevel "name" (m; the bottom of the domain where it is dry); kPressure "name" (Pa); kVelocity "name.vx/vy/vz" (m/s);
 /// kForce "name.fx/fy/fz/tx/ty/tz" (N, N m, of the fluid on the model, torque about its centre of mass, or about its
 /// frame's origin if it is static); kPose "name.x/y/z/qw/qx/qy/qz"; kPressureError "name": L2 over the fluid's
-/// particles of p - rho g (level - z), over rho g depth.
+/// particles of p - rho g (level - z), over rho g depth; kMotion "name.px/py/pz/lx/ly/lz/fastest": momentum (kg m/s)
+/// and angular momentum about the origin (kg m^2/s) of a fluid, its largest speed (m/s); kVoid "name": largest volume
+/// (m^3) that a fluid encloses with no particle of it within a spacing.
 struct Probe {
   std::string name;
   ProbeKind kind = ProbeKind::kLevel;
   Vec3 at = Vec3::Zero();  ///< kLevel (x, y), kPressure and kVelocity (x, y, z), m
-  std::string target;      ///< kForce, kPose: model; kPressureError: fluid
+  std::string target;      ///< kForce, kPose: model; kPressureError, kMotion, kVoid: fluid
   std::string frame;       ///< model in whose frame `at` is given, static or prescribed; empty: the world's
   Place place;
 };

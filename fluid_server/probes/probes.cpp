@@ -57,6 +57,12 @@ std::size_t index_of(const Scene& scene, const std::string& model) {
   return 0;  // the scene reader has checked the name
 }
 
+std::size_t fluid_index(const Scene& scene, const std::string& fluid) {
+  for (std::size_t k = 0; k < scene.fluids.size(); ++k)
+    if (scene.fluids[k].name == fluid) return k;
+  return 0;  // the scene reader has checked the name
+}
+
 /// Where the probe is now in the world, m.
 Vec3 place_of(const Scene& scene, const Probe& probe, std::span<const exchange::BodyState> states) {
   if (probe.frame.empty()) return probe.at;
@@ -116,6 +122,23 @@ Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point) {
   return terms.completeOrthogonalDecomposition().solve(values).row(0).transpose();
 }
 
+std::array<double, 7> motion_of(const WcsphFluid& fluid, std::size_t which) {
+  const FluidProperties& properties = fluid.filled().fluids[which];
+  const Particles& particles = fluid.particles();
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+  double fastest = 0;
+  for (std::size_t f = 0; f < particles.size(); ++f) {
+    if (&fluid.fluid_of(particles.id[f]) != &properties) continue;
+    const Record& r = particles.record[f];
+    const Vec3 x = fluid.coordinates().to_metres(r.x, r.y, r.z), v(r.vx, r.vy, r.vz);
+    const double mass = properties.density * r.volume;
+    momentum += mass * v;
+    angular += mass * x.cross(v);
+    fastest = std::max(fastest, v.norm());
+  }
+  return {momentum[0], momentum[1], momentum[2], angular[0], angular[1], angular[2], fastest};
+}
+
 std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
                                 std::span<const exchange::BodyState> states) {
   std::vector<double> row;
@@ -145,8 +168,15 @@ std::vector<double> read_probes(const Scene& scene, const WcsphFluid& fluid,
         row.insert(row.end(), states[target].orientation, states[target].orientation + 4);
         break;
       case ProbeKind::kPressureError:
-        for (std::size_t k = 0; k < scene.fluids.size(); ++k)
-          if (scene.fluids[k].name == probe.target) row.push_back(pressure_error(fluid, k));
+        row.push_back(pressure_error(fluid, fluid_index(scene, probe.target)));
+        break;
+      case ProbeKind::kMotion: {
+        const auto motion = motion_of(fluid, fluid_index(scene, probe.target));
+        row.insert(row.end(), motion.begin(), motion.end());
+        break;
+      }
+      case ProbeKind::kVoid:
+        row.push_back(largest_void(fluid, fluid_index(scene, probe.target)));
         break;
     }
   }

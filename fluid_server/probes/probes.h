@@ -1,5 +1,6 @@
 // What the scene's probes read from the fluid and the bodies; columns as in common/output/columns.h.
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,16 @@ double pressure_at(const WcsphFluid& fluid, const Vec3& point);
 /// Value at the point of the linear field that fits the particles' velocities best, weighted by the kernel, m/s: exact
 /// for linear fields also beside walls, where a mean would lag behind; 0 away from fluid.
 Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point);
+
+/// Momentum, angular momentum about the origin and largest speed of the fluid `which` of the scene; SI units.
+std::array<double, 7> motion_of(const WcsphFluid& fluid, std::size_t which);
+
+/// Volume of the largest void in the fluid `which` of the scene: places that it encloses, further than a spacing from
+/// all of its particles, m^3 (in dimension 2 of 1 m of depth). In a lattice no place is; where particles are in
+/// disorder some are, for a moment and for less than a particle's volume. What is open to the outside is no void, walls
+/// and bodies are outside. On a grid of half a spacing.
+double largest_void(const WcsphFluid& fluid, std::size_t which);
+
 /// Particles whose centre a body would hold at a pose.
 std::size_t count_inside(const Body& body, const Pose& pose, const WcsphFluid& fluid);
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/geometry/bodies.h"
 
 namespace ballast::fluid {
@@ -61,7 +63,55 @@ TEST_P(Turning, ThereIsNoVelocityAwayFromTheFluid) {
   EXPECT_EQ(velocity_at(*fluid_, {1.4, 0, 0.5}), Vec3::Zero().eval());
 }
 
+TEST_P(Turning, MotionIsThatOfARigidBody) {
+  const double mass = 1000, turning = mass * (1 - 0.05 * 0.05) / 6;  // of a lattice of 20 x 20, about its centre
+  const Vec3 momentum(0.3 * mass, 0, -0.1 * mass);
+  const Vec3 angular = Vec3(0.5, 0, 0.5).cross(momentum) + Vec3(0, 2 * turning, 0);
+  const auto motion = motion_of(*fluid_, 0);
+  EXPECT_LT((Vec3::Map(motion.data()) - momentum).norm(), 1e-3 * momentum.norm());
+  EXPECT_LT((Vec3::Map(motion.data() + 3) - angular).norm(), 1e-3 * angular.norm());
+  const Vec3 corner = Vec3(0.3, 0, -0.1) + Vec3(0, 2, 0).cross(Vec3(0.475, 0, 0.475));  // the fastest one
+  EXPECT_NEAR(motion[6], corner.norm(), 1e-5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Dimensions, Turning, ::testing::Values(2, 3));
+
+/// Water of 1 m with a box in it, and no body there: a hole of so many particles across, enclosed or open.
+class Holes : public ::testing::TestWithParam<int> {
+ protected:
+  double void_of(double width, double middle) {
+    Scene scene;
+    scene.world.spacing = 0.05;
+    scene.world.dimension = GetParam();
+    scene.numerics.sound_speed = 20;
+    scene.numerics.relax = false;
+    Fluid water;
+    water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
+    scene.fluids = {water};
+    if (width > 0) {
+      Model hole;
+      hole.name = "hole", hole.motion = Motion::kStatic;
+      hole.shape.size = {width, GetParam() == 2 ? 1 : width, width};
+      hole.pose.position = {0.5, 0, middle};
+      scene.models = {hole};
+    }
+    const auto bodies = *make_bodies(scene);
+    return largest_void(**WcsphFluid::make(scene, bodies, 1), 0);
+  }
+};
+
+TEST_P(Holes, NoneInALattice) { EXPECT_EQ(void_of(0, 0.5), 0); }
+
+TEST_P(Holes, AreMeasuredLessASpacingAround) {
+  // Particles end half a spacing outside the box, what is within a spacing of them half a spacing inside it.
+  const double side = 0.4 - 0.05, step = 0.025;
+  const double exact = std::pow(side, GetParam()), rim = std::pow(side + 2 * step, GetParam()) - exact;
+  EXPECT_NEAR(void_of(0.4, 0.5), exact, rim);
+}
+
+TEST_P(Holes, AreNoneIfOpen) { EXPECT_EQ(void_of(0.4, 0.9), 0); }
+
+INSTANTIATE_TEST_SUITE_P(Dimensions, Holes, ::testing::Values(2, 3));
 
 }  // namespace
 }  // namespace ballast::fluid

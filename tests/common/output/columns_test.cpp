@@ -33,14 +33,18 @@ TEST(BodyColumns, LeaveOutStaticModelsAndKeepTheOrder) {
 
 TEST(ProbeColumns, FollowTheKindOfProbe) {
   Scene scene;
-  scene.probes.resize(3);
+  scene.probes.resize(4);
   scene.probes[0].name = "front";
   scene.probes[1].name = "push";
   scene.probes[1].kind = ProbeKind::kForce;
   scene.probes[2].name = "at";
   scene.probes[2].kind = ProbeKind::kPose;
-  EXPECT_THAT(probe_columns(scene), ElementsAre("front", "push.fx", "push.fy", "push.fz", "push.tx", "push.ty",
-                                                "push.tz", "at.x", "at.y", "at.z", "at.qw", "at.qx", "at.qy", "at.qz"));
+  scene.probes[3].name = "all";
+  scene.probes[3].kind = ProbeKind::kMotion;
+  EXPECT_THAT(probe_columns(scene),
+              ElementsAre("front", "push.fx", "push.fy", "push.fz", "push.tx", "push.ty", "push.tz", "at.x", "at.y",
+                          "at.z", "at.qw", "at.qx", "at.qy", "at.qz", "all.px", "all.py", "all.pz", "all.lx", "all.ly",
+                          "all.lz", "all.fastest"));
 }
 
 }  // namespace

@@ -184,6 +184,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"parent: rod", "parent: disc", "26:12", "connects 'disc' with itself", "different"},
         Case{"force_on: tank", "force_on: tan", "30:29", "no model 'tan'", "'tank'"},
         Case{"level_at: [0, 0]", "pressure_error: wate", "29:36", "no fluid 'wate'", "'water'"},
+        Case{"level_at: [0, 0]", "motion_of: wate", "29:31", "no fluid 'wate'", "'water'"},
+        Case{"level_at: [0, 0]", "void_in: wate", "29:29", "no fluid 'wate'", "'water'"},
         Case{"push.fz", "push.fq", "34:21", "no column 'push.fq'", "push.f"},
         Case{"push.fz", "tank.x", "34:21", "'tank' is static", "force_on"},
         Case{"push.fz", "push", "34:21", "no column 'push'", "push.fx"},

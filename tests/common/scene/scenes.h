@@ -43,6 +43,8 @@ probes:
   - { name: tank, force_on: tank }
   - { name: top, pose_of: ball }
   - { name: err, pressure_error: water }
+  - { name: motion, motion_of: oil }
+  - { name: void, void_in: water }
 output: { every: 20 ms, vtk: true, picture: true, camera: [1, 2, 3] }
 expect:
   - lost_particles: 0
