@@ -189,6 +189,19 @@ def momentum_drift(run: Outcome) -> float:
     return next(e["value"] for e in run.record["expect"] if e["name"] == "drift of total momentum")
 
 
+SOLIDS = {"a": 500 * 0.2**3, "b": 2000 * 0.2**3, "c": 1000 * 4 / 3 * math.pi * 0.1**3}  # kg
+
+
+def momentum_in_time(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
+    """Change since the first row of the momentum of fluid and bodies together, over the sum of all at the start."""
+    t = run.series("motion.px")[0]
+    total, size = np.zeros((t.size, 3)), 0.0
+    for mass, column in ((1, "motion.p"), *((m, f"{name}.v") for name, m in SOLIDS.items())):
+        part = mass * np.transpose([run.values(column + axis) for axis in "xyz"])
+        total, size = total + part, size + float(np.linalg.norm(part[0]))
+    return t, np.linalg.norm(total - total[0], axis=1) / size
+
+
 CLOSED_BOX = Case(
     id="B11",
     title="Closed system: momentum",
@@ -202,6 +215,13 @@ CLOSED_BOX = Case(
         Measure("given against received", "", lambda r: r.record["ledger"]["imbalance_relative"], (1e-12,)),
     ),
     methods=("wcsph",),
+    chart=Chart(
+        "t (s)",
+        "drift of total momentum / momenta at the start",
+        momentum_in_time,
+        lambda v, f: (np.array([0, 100]), np.array([0, 0])),
+        "constant",
+    ),
 )
 
 CASES = (FLOATING_BOX, RELEASE_2D, RELEASE_WIDE, RELEASE_3D, NEUTRAL, HELD, CLOSED_BOX)
