@@ -66,6 +66,53 @@ def released(ratio: Array, coefficient: float) -> Array:
     return (ratio - 1) / (ratio + coefficient)
 
 
+def _below(corners: Array, level: float) -> Array:
+    """The part of a convex polygon that lies below a level; corners (x, z) in order."""
+    out = []
+    for (x0, z0), (x1, z1) in zip(corners, np.roll(corners, -1, axis=0)):
+        if z0 <= level:
+            out.append((x0, z0))
+        if (z0 - level) * (z1 - level) < 0:
+            out.append((x0 + (x1 - x0) * (level - z0) / (z1 - z0), level))
+    return np.array(out)
+
+
+def _area_and_middle(corners: Array) -> tuple[float, float]:
+    """Of a polygon: its area, and x of its centroid."""
+    (x0, z0), (x1, z1) = corners.T, np.roll(corners, -1, axis=0).T
+    cross = x0 * z1 - x1 * z0
+    return float(cross.sum()) / 2, float(((x0 + x1) * cross).sum() / (3 * cross.sum()))
+
+
+def righting_lever(ratio: float, angle: float) -> float:
+    """Of a floating square of side 1 and `ratio` times the water's density, turned by `angle` (rad): how far the centroid of
+    what is immersed lies to the side of its own. Negative: it turns on."""
+    c, s = math.cos(angle), math.sin(angle)
+    square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) @ np.array([[c, -s], [s, c]])
+    low, high = square[:, 1].min(), square[:, 1].max()
+    for _ in range(100):
+        level = (low + high) / 2
+        part = _below(square, level)
+        if len(part) > 2 and _area_and_middle(part)[0] > ratio:
+            high = level
+        else:
+            low = level
+    return _area_and_middle(_below(square, high))[1]
+
+
+def rest_angle(ratio: float) -> float:
+    """At which that square floats stably, between 0 and pi / 4 (rad)."""
+    low, high = 1e-4, math.pi / 4
+    if righting_lever(ratio, low) > 0:
+        return 0.0
+    if righting_lever(ratio, high - 1e-4) < 0:
+        return high
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if righting_lever(ratio, middle) < 0 else (low, middle)
+    return low
+
+
 def channel_startup(y: Array, t: float, terms: int = 200) -> tuple[Array, Array]:
     """Start-up of plane Poiseuille flow (u nu / F L^2) and plane Couette flow (u / U0) at y / L and t nu / L^2.
 

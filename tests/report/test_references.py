@@ -27,6 +27,27 @@ class Formulas(unittest.TestCase):
         self.assertAlmostEqual(references.added_mass("cylinder", 2), 5 / 3, places=14)
         self.assertAlmostEqual(references.added_mass("sphere", 2), 5 / 7, places=14)
 
+    def test_added_mass_by_the_potential(self):
+        # Per radius and speed: phi = (A r + B / r^n) cos, n = 1 (cylinder) or 2 (sphere); dphi / dr = cos at the body, 0 at the wall.
+        for shape, n in (("cylinder", 1), ("sphere", 2)):
+            for q in (1.5, 2, 5):
+                a, b = np.linalg.solve([[1, -n], [1, -n * q ** (-n - 1)]], [1, 0])
+                self.assertAlmostEqual(-(a + b), references.added_mass(shape, q), places=12)
+
+    def test_a_floating_square(self):
+        # Upright: GM = KB + BM - KG. Waterline across two opposite sides: GM + BM / 2 tan^2 = 0. 45 degrees from 9 / 32 on.
+        rest = lambda ratio: math.degrees(references.rest_angle(ratio))
+        self.assertEqual(rest(0.2), 0)  # GM > 0 where 6 s (1 - s) < 1: s < 0.2113
+        half = 1 / (12 * 0.23)
+        exact = math.degrees(math.atan(math.sqrt(-2 * (0.23 / 2 + half - 0.5) / half)))
+        self.assertAlmostEqual(rest(0.23), exact, places=4)
+        self.assertLess(rest(9 / 32 - 1e-3), 44)
+        for ratio in (9 / 32 + 1e-3, 0.3, 0.5, 0.7):
+            self.assertAlmostEqual(rest(ratio), 45, places=9)
+        small = 1e-4
+        gm = 0.35 + 1 / (12 * 0.7) - 0.5
+        self.assertAlmostEqual(references.righting_lever(0.7, small) / small, gm, places=5)
+
     def test_a_block_slides_to_where_friction_stops_it(self):
         mu, g, times = 0.3, 9.81, np.array([0.0, 0.1, 0.5, 2.0])
         way = references.sliding(times, 2, -mu * g)
