@@ -9,13 +9,6 @@ NOT_BUILT = {
 
 # Figures of the plan that cases do without, or judge otherwise than it says.
 LEFT_OUT = {
-    "F1": "the largest speed: the rms speed is held to its target",
-    "F6": "whether voids open until omega t = 2",
-    "B1": "the box of another code's record, which rolls to 45 degrees",
-    "B3": "a viscosity of 1e-5 m^2/s",
-    "B4": "the wider container, q = 5",
-    "B5": "angular momentum with the impulse of the wall, to 1e-6",
-    "B9": "an offset of 5 mm at 32 spacings across: tried once, see its reasons",
     "B10": "a disc that turns with its fluid; a cube in 3-D",
     "B12": "the largest pressure",
     "B13": "the gate let go",
