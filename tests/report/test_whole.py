@@ -58,7 +58,7 @@ class Report(unittest.TestCase):
         self.report("F1/wcsph/0.1", "--out", "a")
         with (self.out / "a/results_part.csv").open() as file:
             rows = list(csv.DictReader(file))
-        self.assertEqual(len(rows), 4)
+        self.assertEqual(len(rows), 5)
         for row in rows:
             self.assertEqual(float(row["mass_drift"]), 0)
             self.assertLess(abs(float(row["energy_balance_J"])), 0.01 * float(row["energy_scale_J"]))
