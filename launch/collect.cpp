@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "common/output/columns.h"
@@ -18,8 +19,9 @@ using exchange::FrameKind;
 using exchange::Role;
 using exchange::StepReport;
 
-Status CsvFile::open(const std::string& path, const std::vector<std::string>& columns) {
+Status CsvFile::open(const std::string& path, const std::vector<std::string>& columns, Digits digits) {
   path_ = path;
+  digits_ = digits;
   file_.reset(std::fopen((path + ".part").c_str(), "w"));
   if (!file_) return output::write_error(path, errno);
   std::fputs("t", file_.get());
@@ -30,10 +32,14 @@ Status CsvFile::open(const std::string& path, const std::vector<std::string>& co
 
 Status CsvFile::row(double time, std::span<const double> values) {
   if (!file_) return ok();
+  fmt::memory_buffer line;
+  fmt::format_to(std::back_inserter(line), "{:.9g}", time);  // the same in both tables
+  for (double value : values) {
+    fmt::format_to(std::back_inserter(line), fmt::runtime(digits_ == Digits::kAll ? ",{}" : ",{:.9g}"), value);
+  }
+  line.push_back('\n');
   errno = 0;
-  std::fprintf(file_.get(), "%.9g", time);
-  for (double value : values) std::fprintf(file_.get(), ",%.9g", value);
-  std::fputc('\n', file_.get());
+  std::fwrite(line.data(), 1, line.size(), file_.get());
   if (std::ferror(file_.get()) != 0) return failed(errno);
   return ok();
 }
@@ -62,10 +68,12 @@ Collector::Collector(const Scene& scene, bool fluid, bool rigid)
 Result<Collector> Collector::make(const Scene& scene, bool fluid, bool rigid, const std::string& out_dir) {
   Collector out(scene, fluid, rigid);
   if (rigid) {
-    if (Status s = out.bodies_file_.open(out_dir + "/bodies.csv", out.bodies_.columns); !s) return s.error();
+    if (Status s = out.bodies_file_.open(out_dir + "/bodies.csv", out.bodies_.columns, Digits::kAll); !s)
+      return s.error();
   }
   if (!out.probes_.columns.empty()) {
-    if (Status s = out.probes_file_.open(out_dir + "/probes.csv", out.probes_.columns); !s) return s.error();
+    if (Status s = out.probes_file_.open(out_dir + "/probes.csv", out.probes_.columns, Digits::kNine); !s)
+      return s.error();
   }
   return out;
 }

@@ -15,11 +15,15 @@
 
 namespace ballast::launch {
 
+/// Of the values in a table: kAll give the same double back, as bodies have it; kNine are as many as a float has, in
+/// which the fluid is computed. Times have nine in both.
+enum class Digits { kAll, kNine };
+
 /// A CSV file that gets its name only when close() is called.
 class CsvFile {
  public:
   CsvFile() = default;
-  Status open(const std::string& path, const std::vector<std::string>& columns);
+  Status open(const std::string& path, const std::vector<std::string>& columns, Digits digits);
   /// The error of a full disk comes as soon as the kernel says so.
   Status row(double time, std::span<const double> values);
   Status close();
@@ -33,6 +37,7 @@ class CsvFile {
   };
   std::unique_ptr<std::FILE, Closer> file_;
   std::string path_;
+  Digits digits_ = Digits::kAll;
 };
 
 /// Sums over the step reports of one process.

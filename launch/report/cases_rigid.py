@@ -65,7 +65,7 @@ FLIGHT = Case(
     id="R1",
     title="Free flight",
     scene="report/free_flight",
-    about="A box flies at 1 m/s and turns about a principal axis at 1 rad/s for 10 s. Tables have nine digits.",
+    about="A box flies at 1 m/s and turns about a principal axis at 1 rad/s for 10 s.",
     source="x = v t",
     knob=STEP,
     resolutions=STEPS,

@@ -14,6 +14,5 @@ LEFT_OUT = {
     "B13": "the gate let go",
     "X1": "when the water arrives",
     "X8": "the speed of the water",
-    "R9": "momentum to 1e-12: 1e-8, as rows of bodies have nine digits",
     "R13": "static tension",
 }

@@ -91,7 +91,7 @@ TEST_P(Interrupted, RunKeepsItsRowsAndSaysSo) {
   EXPECT_EQ(record.value("stopped_by", ""), name);
   EXPECT_EQ(record.value("interrupted", false), true);
   EXPECT_GT(record.value("steps", 0), 0);
-  EXPECT_NEAR(run.last_row("bodies.csv")["t"], record.value("simulated_s", -1.0), 1e-8) << "rows have nine digits";
+  EXPECT_NEAR(run.last_row("bodies.csv")["t"], record.value("simulated_s", -1.0), 1e-8) << "times have nine digits";
   EXPECT_TRUE(run.attached().empty());
   EXPECT_EQ(run.left_behind(), Files{});
 }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "common/output/columns.h"
@@ -49,7 +50,7 @@ int play(const std::string& name, Role role, const Script& script) {
   auto segment = Segment::attach(name, role);
   if (!segment) return 1;
   exchange::Link link(*segment, role);
-  std::vector<double> row(output::kBodyValues, 0.5);
+  std::vector<double> row(output::kBodyValues, 1.0 / 3);
   for (std::uint64_t step = 1; step <= static_cast<std::uint64_t>(script.steps); ++step) {
     auto go = link.await_credit(step);
     if (!go) return 1;
@@ -131,6 +132,11 @@ TEST_F(Drive, CollectsEveryStepAndRowOfARunThatGoesWell) {
   EXPECT_FALSE(segment_left);
   EXPECT_TRUE(std::filesystem::exists(out + "/bodies.csv"));
   EXPECT_FALSE(std::filesystem::exists(out + "/bodies.csv.part"));
+  std::ifstream file(out + "/bodies.csv");
+  std::string line;
+  for (std::string next; std::getline(file, next);) line = next;
+  EXPECT_TRUE(line.starts_with("1,")) << line;
+  EXPECT_EQ(std::stod(line.substr(line.rfind(',') + 1)), 1.0 / 3) << "a double comes back to the last bit: " << line;
 }
 
 TEST_F(Drive, EndsWithCode5AndANameWhenAProcessIsKilled) {
