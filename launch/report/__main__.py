@@ -22,7 +22,6 @@ import page
 from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
 from cases import ALL
 from judge import judge, mark
-from not_built import NOT_BUILT
 from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make
 
 
@@ -78,9 +77,6 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
     named = {job.id for job in everything} & set(chosen.cases)
     patterns = [p for p in chosen.cases if p not in named]
     unknown = [p for p in chosen.cases if not any(fits(job, [p]) for job in everything)]
-    for name in unknown:
-        if name in NOT_BUILT:
-            raise Refused(f"{name} is not built: {NOT_BUILT[name][1]}")
     if unknown:
         known = f"cases are {', '.join(c.id for c in ALL)}; methods are {', '.join(METHODS)}"
         raise Refused(f"no run fits {', '.join(unknown)}; {known}")

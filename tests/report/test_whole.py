@@ -164,14 +164,6 @@ class Report(unittest.TestCase):
             self.assertIn(words[-1], done.stderr)
             self.assertIn("methods are wcsph", done.stderr)
 
-    def test_a_case_that_is_not_built_says_why(self):
-        from not_built import NOT_BUILT
-
-        for name, (_, why) in NOT_BUILT.items():
-            done = self.report(name, "--out", "a")
-            self.assertEqual(done.returncode, 2)
-            self.assertIn(why, done.stderr)
-
     def test_a_stability_run_is_in_its_own_table(self):
         self.report("S08/c11/wcsph/0.025", "--out", "a")
         (row,) = self.rows("a").values()
