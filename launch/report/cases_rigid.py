@@ -267,6 +267,35 @@ CHAIN = Case(
         "none",
     ),
 )
+HANGING = [f"link_0_0_{k}" for k in range(20)]
+BALANCES = (  # what is above, what is below, distance of their centres at the start (m), mass that hangs below (kg)
+    (None, HANGING[0], -3.95, 12.0),
+    (HANGING[9], HANGING[10], 0.1, 11.0),
+    (HANGING[19], "weight", 0.15, 10.0),
+)
+
+
+def tension_error(run: Outcome) -> float:
+    """Largest deviation of a spring's force from the weight below it over the last half second."""
+    worst = 0.0
+    for above, below, start, mass in BALANCES:
+        apart = (run.values(f"{above}.z", 1.5) if above else 0) - run.values(f"{below}.z", 1.5)
+        worst = max(worst, largest((apart - start) * 1e5 / (mass * G) - 1))
+    return worst
+
+
+TENSION = Case(
+    id="R13t",
+    title="Hanging chain: tension",
+    scene="report/hanging_chain",
+    about="The chain hangs at rest; springs of 1e5 N/m at its top, below the tenth link and above the weight give by what they bear. The plan names no number: 0.1 %.",
+    source="what hangs below, m g",
+    order_why="exact at every step; what is left is round-off",
+    knob=STEP,
+    resolutions=STEPS[1:],
+    methods=("ode",),
+    measures=(Measure("tension", "%", tension_error, (1e-3,)),),
+)
 BAR = box_inertia(1, (1, 0.02, 0.02))
 
 
@@ -317,4 +346,4 @@ FAST = Case(
     measures=(Measure("energy drift", "", lambda r: largest(turning_energy(r) / turning_energy(r)[0] - 1), (1e-6,)),),
 )
 
-CASES = (FLIGHT, PROJECTILE, TUMBLING, PENDULUM, CHAIN, DOUBLE_PENDULUM, FAST)
+CASES = (FLIGHT, PROJECTILE, TUMBLING, PENDULUM, CHAIN, TENSION, DOUBLE_PENDULUM, FAST)

@@ -6,5 +6,4 @@ LEFT_OUT = {
     "B13": "the gate let go",
     "X1": "when the water arrives",
     "X8": "the speed of the water",
-    "R13": "static tension",
 }
