@@ -2,7 +2,6 @@
 
 LEFT_OUT = {
     "B10": "a disc that turns with its fluid; a cube in 3-D",
-    "B13": "the gate let go",
     "X1": "when the water arrives",
     "X8": "the speed of the water",
 }
