@@ -94,6 +94,11 @@ class Outcome:
     def values(self, column: str, start: float = 0, stop: float = np.inf) -> Array:
         return self.series(column, start, stop)[1]
 
+    def lost(self) -> float:
+        """Share of the particles that left the domain or ended inside a solid."""
+        particles = self.record["particles"]
+        return particles["lost"] / (particles["fluid"] + particles["left_domain"])
+
     def mean(self, column: str, start: float = 0, stop: float = np.inf) -> float:
         return float(self.values(column, start, stop).mean())
 
@@ -116,6 +121,11 @@ class Measure:
         if not targets or level == "coarse":
             return None
         return targets[min(LEVELS.index(level) - 1, len(targets) - 1)]
+
+
+# Of tanks that are open on top, without a target: spray leaps over their walls. None is lost from closed ones, as the
+# stability suite holds them to.
+LOST = Measure("particles lost / all", "%", Outcome.lost)
 
 
 def judged_at(targets: tuple[float, ...], **values: float) -> Callable[[Variant], tuple[float, ...]]:
