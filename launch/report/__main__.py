@@ -6,6 +6,7 @@ import csv
 import datetime
 import fcntl
 import fnmatch
+import io
 import json
 import os
 import shlex
@@ -22,7 +23,7 @@ import page
 from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
 from cases import ALL
 from judge import judge, mark
-from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make
+from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make, write_whole
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
@@ -145,17 +146,18 @@ FIGURES = (
 
 
 def write_results(place: Place, results: dict, part: str) -> None:
-    (place.out / f"results{part}.json").write_text(json.dumps(results, indent=1))
-    with (place.out / f"results{part}.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        of_measure = ("name", "unit", "value", "target", "verdict")
-        table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "report", "command"])
-        for r in results["rows"]:
-            for m in r["measures"]:
-                percent = {k: 100 * m[k] for k in ("value", "target") if m["unit"] == "%" and m[k] is not None}
-                shown = m | percent  # in the JSON a share is a share
-                values = [*(r[k] for k in COLUMNS), *(shown[k] for k in of_measure), *(r.get(k) for k in FIGURES)]
-                table.writerow([*values, r["report"], r["run"]])
+    write_whole(place.out / f"results{part}.json", json.dumps(results, indent=1))
+    text = io.StringIO(newline="")
+    table = csv.writer(text)
+    of_measure = ("name", "unit", "value", "target", "verdict")
+    table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "report", "command"])
+    for r in results["rows"]:
+        for m in r["measures"]:
+            percent = {k: 100 * m[k] for k in ("value", "target") if m["unit"] == "%" and m[k] is not None}
+            shown = m | percent  # in the JSON a share is a share
+            values = [*(r[k] for k in COLUMNS), *(shown[k] for k in of_measure), *(r.get(k) for k in FIGURES)]
+            table.writerow([*values, r["report"], r["run"]])
+    write_whole(place.out / f"results{part}.csv", text.getvalue())
 
 
 def describe(row: dict) -> str:
@@ -171,14 +173,15 @@ def describe(row: dict) -> str:
     return f"{row['id']}: {figures}; {row['wall_s']:.2f} s"
 
 
-def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, references: list[Path]) -> list[dict]:
-    """Makes what is not finished, one at a time, and judges all."""
+def carry_out(
+    place: Place, jobs: list[Job], chosen: argparse.Namespace, references: list[Path], rows: list[dict]
+) -> None:
+    """Makes what is not finished, one at a time, and judges all: a row each, there as soon as it is known."""
     programs = build_hash(place)
     keys = {job.id: key_of(place, job, programs, chosen.repeats) for job in jobs}
     notes = {job.id: None if chosen.again else finished(place, job, keys[job.id]) for job in jobs}
     to_make = [job for job in jobs if notes[job.id] is None]
     with_picture = pictured(jobs)
-    rows = []
     with tqdm(
         total=sum(EXPECTED[job.level] * chosen.repeats for job in to_make),
         disable=not sys.stderr.isatty(),
@@ -192,11 +195,11 @@ def carry_out(place: Place, jobs: list[Job], chosen: argparse.Namespace, referen
                 bar.update(EXPECTED[job.level] * chosen.repeats)
             if job.id in with_picture and not (place.run_folder(job) / "start.png").is_file():
                 draw_start(place, job)
-            rows.append(judge(place, job, note, references))
+            row = judge(place, job, note, references)
             if chosen.references:
-                rows[-1]["report"] += f" --references {shlex.quote(str(chosen.references))}"
-            tqdm.write(describe(rows[-1]))
-    return rows
+                row["report"] += f" --references {shlex.quote(str(chosen.references))}"
+            rows.append(row)
+            tqdm.write(describe(row))
 
 
 def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], place: Place) -> dict:
@@ -218,6 +221,10 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
         "command": shlex.join(["./launch/ballast", "report", *words]),
         "rows": rows,
     }
+
+
+def say_stopped(more: str = "") -> None:
+    print(f"ballast report: stopped; finished runs are kept, the same command goes on{more}", file=sys.stderr)
 
 
 @contextlib.contextmanager
@@ -254,12 +261,24 @@ def main() -> int:
         raise Refused("gnuplot, which draws the charts, is not there: apt-get install gnuplot-nox")
     place.out.mkdir(parents=True, exist_ok=True)
     references = reference_folders(place, chosen.references)
+    rows: list[dict] = []
+    stopped = False
     with alone():
-        rows = carry_out(place, jobs, chosen, references)
+        try:
+            carry_out(place, jobs, chosen, references, rows)
+        except KeyboardInterrupt:
+            stopped = True
+            if not rows:
+                raise
         cases: list[Case] = [case for case in ALL if any(job.case is case for job in jobs)]
         for case in cases:
             mark([r for r in rows if r["case"] == case.id])
         results = results_of(rows, chosen, words, place)
+        if stopped:  # the results of all cases stay, and so does the page, which the same command draws when all is there
+            results["stopped"] = f"stopped after {len(rows)} of {len(jobs)} runs"
+            write_results(place, results, "_part")
+            say_stopped(f"; {results['stopped']}: {place.out / 'results_part.json'} and .csv")
+            return 5
         changes = compare.changes(old, results, str(chosen.against)) if old else None
         part = "_part" if chosen.cases or chosen.methods else ""  # the page of all cases stays
         write_results(place, results, part)
@@ -283,5 +302,5 @@ if __name__ == "__main__":
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(5)
     except KeyboardInterrupt:
-        print("ballast report: stopped; finished runs are kept, the same command goes on", file=sys.stderr)
+        say_stopped()
         sys.exit(5)

@@ -13,7 +13,7 @@ from judge import headline, met_by_level, points_of, times_to_targets
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
 from not_built import LEFT_OUT
-from runs import Place
+from runs import Place, write_whole
 from stability import ELSEWHERE
 
 WORD = {"met": "met", "missed": "missed", "no target": "–", "reference not installed": "reference not installed"}
@@ -307,5 +307,5 @@ def write(
         word=WORD,
     )
     path = place.out / f"report{part}.html"
-    path.write_text(text)
+    write_whole(path, text)
     return path

@@ -41,6 +41,13 @@ class Place:
         return self.out / "runs" / job.id
 
 
+def write_whole(path: Path, text: str) -> None:
+    """A file that is whole or as it was before."""
+    part = path.with_name(path.name + ".part")
+    part.write_text(text, newline="")
+    part.replace(path)
+
+
 def build_hash(place: Place) -> str:
     digest = hashlib.sha256()
     for program in PROGRAMS:
@@ -110,7 +117,7 @@ def make(place: Place, job: Job, key: str, repeats: int, picture: bool) -> dict:
             break
         walls.append(json.loads((folder / "record.json").read_text())["wall_s"])
     note |= {"walls": walls, "wall_s": statistics.median(walls) if walls else None}
-    (folder / "run.json").write_text(json.dumps(note, indent=1))
+    write_whole(folder / "run.json", json.dumps(note, indent=1))
     return note
 
 

@@ -5,14 +5,17 @@ import fcntl
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parents[2]
 BOXES = ["R0/box/ode/0.001", "R0/box/free_body/0.001"]
+CHEAP_FLUID = "F1/wcsph/0.1"
 CHEAP = ["R4/90deg/ode/0.002", "R4/90deg/ode/0.001"]
 
 
@@ -83,6 +86,33 @@ class Report(unittest.TestCase):
         self.assertEqual(self.report(CHEAP[0], "--gate", "--out", "a").returncode, 0)
         diverges = self.report("B4/r0.01/staggered/0.02", "--gate", "--out", "a")
         self.assertEqual(diverges.returncode, 3, diverges.stderr)
+
+    def test_one_that_is_stopped_writes_what_is_finished(self):
+        long = "F1/wcsph/0.00625"
+        process = subprocess.Popen(
+            [sys.executable, "-B", TREE / "launch/report", CHEAP_FLUID, long, "--out", "a", "--build", os.environ["BALLAST_BUILD"]],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=self.out,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # whoever started the tests may ignore it
+        )
+        begun = self.out / "a/runs" / long / "log.txt"
+        for _ in range(600):
+            if begun.is_file():
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 5, said)
+        self.assertIn("stopped after 1 of 2 runs", said)
+        self.assertEqual(list(self.rows("a")), [CHEAP_FLUID])
+        results = json.loads((self.out / "a/results_part.json").read_text())
+        self.assertEqual(results["stopped"], "stopped after 1 of 2 runs")
+        with (self.out / "a/results_part.csv").open() as file:
+            self.assertEqual({row["run"] for row in csv.DictReader(file)}, {CHEAP_FLUID})
+        self.assertEqual([p.name for p in (self.out / "a").glob("*") if p.suffix in (".part", ".html")], [])
+        self.assertFalse((self.out / "a/runs" / long / "run.json").exists(), "a run that was stopped is made again")
 
     def test_only_one_report_is_at_work(self):
         with open(Path(tempfile.gettempdir()) / f"ballast_report.{os.getuid()}.lock", "w") as lock:
