@@ -274,7 +274,7 @@ def main() -> int:
         for case in cases:
             mark([r for r in rows if r["case"] == case.id])
         results = results_of(rows, chosen, words, place)
-        if stopped:  # the results of all cases stay, and so does the page, which the same command draws when all is there
+        if stopped:  # results and page of all cases stay
             results["stopped"] = f"stopped after {len(rows)} of {len(jobs)} runs"
             write_results(place, results, "_part")
             say_stopped(f"; {results['stopped']}: {place.out / 'results_part.json'} and .csv")

@@ -1,4 +1,4 @@
-"""Bodies alone in contact: friction, rolling, bouncing, collisions, tipping, stacks, a collapse. Gravity is tilted, planes are level."""
+"""Bodies alone in contact: friction, rolling, bounces, collisions, tipping, stacks, a collapse. Gravity is tilted, planes level."""
 
 import math
 

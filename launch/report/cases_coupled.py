@@ -232,6 +232,10 @@ def radius(run: Outcome) -> tuple[np.ndarray, np.ndarray]:
     return t, np.hypot(x, run.values("disc.z"))
 
 
+def radius_drift(run: Outcome) -> float:
+    return float(np.max(np.abs(radius(run)[1] - 0.25)))
+
+
 def round_about(run: Outcome) -> float:
     """Mean rate at which its centre goes round, rad/s."""
     t, x = run.series("disc.x")
@@ -251,7 +255,7 @@ TURNING = Case(
     order_why="it is a random walk, as above",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(
-        Measure("radius, drift / diameter", "%", lambda r: float(np.max(np.abs(radius(r)[1] - 0.25))) / 0.2, (0.01, 0.003, 0.001)),
+        Measure("radius, drift / diameter", "%", lambda r: radius_drift(r) / 0.2, (0.01, 0.003, 0.001)),
         Measure("rate of going round", "%", lambda r: abs(round_about(r) - 1)),
         Measure("rate of turning", "%", lambda r: abs(float(r.values("disc.wy")[-1]) - 1)),
     ),

@@ -82,6 +82,31 @@ class Report(unittest.TestCase):
         last = cases_viscous.settling_speed(outcome)[1][-1]
         self.assertAlmostEqual(last / cases_viscous.SETTLED, cases_viscous.settling(outcome), places=5)
 
+    def test_the_work_on_the_gate_adds_up_to_the_record_s(self):
+        import cases_waves
+        from case import Outcome, Variant
+
+        run = "B13r/implicit/0.05"
+        self.report(run, "--out", "a")
+        outcome = Outcome(self.out / "a/runs" / run, 0.05, Variant(), [])
+        energy, work = cases_waves.gate_energy(outcome)
+        ledger = outcome.record["ledger"]["energy_J"]
+        self.assertAlmostEqual(work[-1], ledger["work_on_bodies"], places=3)
+        self.assertAlmostEqual(energy[0], ledger["bodies_start"], places=6)
+        self.assertAlmostEqual(energy[-1], ledger["bodies_end"], places=6)
+
+    def test_the_stack_of_cylinders_starts_where_the_table_of_its_widths_has_it(self):
+        import cases_contact
+        from case import Outcome, Variant
+
+        run = "X12/mu0.3/ode/0.002"
+        self.report(run, "--out", "a")
+        outcome = Outcome(self.out / "a/runs" / run, 0.002, Variant(), [])
+        start = [sum(outcome.values(f"{n}.{c}")[0] for n in cases_contact.CYLINDERS) / 33 for c in "xz"]
+        self.assertAlmostEqual(start[0], 0.03, places=12)
+        self.assertAlmostEqual(start[1], 0.005 + 0.01 * 0.75**0.5 * (6 * (0 + 2 + 4) + 5 * (1 + 3 + 5)) / 33, places=12)
+        self.assertLess(abs(start[1] - 0.1006 * cases_contact.BOX), 2e-4)
+
     def test_the_gate_lets_only_finished_runs_that_meet_their_targets_through(self):
         self.assertEqual(self.report(CHEAP[0], "--gate", "--out", "a").returncode, 0)
         diverges = self.report("B4/r0.01/staggered/0.02", "--gate", "--out", "a")
@@ -90,7 +115,8 @@ class Report(unittest.TestCase):
     def test_one_that_is_stopped_writes_what_is_finished(self):
         long = "F1/wcsph/0.00625"
         process = subprocess.Popen(
-            [sys.executable, "-B", TREE / "launch/report", CHEAP_FLUID, long, "--out", "a", "--build", os.environ["BALLAST_BUILD"]],
+            [sys.executable, "-B", TREE / "launch/report", CHEAP_FLUID, long, "--out", "a"]
+            + ["--build", os.environ["BALLAST_BUILD"]],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
