@@ -12,7 +12,6 @@ from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, met_by_level, points_of, times_to_targets
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
-from not_built import LEFT_OUT
 from runs import Place, write_whole
 from stability import ELSEWHERE
 
@@ -299,7 +298,6 @@ def write(
         stability=stability(cases, rows),
         methods=methods(rows),
         elsewhere=ELSEWHERE,
-        left_out=LEFT_OUT,
         trust=trust.table(cases, rows),
         tally=tally(rows),
         levels=met_by_level(cases, rows),
