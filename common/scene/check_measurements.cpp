@@ -17,33 +17,40 @@ struct Part {
   Quantity quantity;
 };
 
-constexpr Part kParts[] = {{"x", kLength},        {"y", kLength},        {"z", kLength},        {"qw", kNone},
-                           {"qx", kNone},         {"qy", kNone},         {"qz", kNone},         {"vx", kSpeed},
-                           {"vy", kSpeed},        {"vz", kSpeed},        {"wx", kAngularSpeed}, {"wy", kAngularSpeed},
-                           {"wz", kAngularSpeed}, {"ax", kAcceleration}, {"ay", kAcceleration}, {"az", kAcceleration},
-                           {"fx", kForceUnit},    {"fy", kForceUnit},    {"fz", kForceUnit},    {"tx", kTorque},
-                           {"ty", kTorque},       {"tz", kTorque}};
-constexpr std::string_view kForceParts = " fx fy fz tx ty tz ", kPoseParts = " x y z qw qx qy qz ";
-constexpr const char* kMotionParts[] = {"px", "py", "pz", "lx", "ly", "lz", "fastest"};
+constexpr Part kParts[] = {
+    {"x", kLength},        {"y", kLength},        {"z", kLength},        {"qw", kNone},         {"qx", kNone},
+    {"qy", kNone},         {"qz", kNone},         {"vx", kSpeed},        {"vy", kSpeed},        {"vz", kSpeed},
+    {"wx", kAngularSpeed}, {"wy", kAngularSpeed}, {"wz", kAngularSpeed}, {"ax", kAcceleration}, {"ay", kAcceleration},
+    {"az", kAcceleration}, {"fx", kForceUnit},    {"fy", kForceUnit},    {"fz", kForceUnit},    {"tx", kTorque},
+    {"ty", kTorque},       {"tz", kTorque},       {"px", kAnyQuantity},  {"py", kAnyQuantity},  {"pz", kAnyQuantity},
+    {"lx", kAnyQuantity},  {"ly", kAnyQuantity},  {"lz", kAnyQuantity},  {"fastest", kSpeed}};
+constexpr std::string_view kForceParts = " fx fy fz tx ty tz ", kPoseParts = " x y z qw qx qy qz ",
+                           kVelocityParts = " vx vy vz ", kMotionParts = " px py pz lx ly lz fastest ",
+                           kBodyParts = " x y z qw qx qy qz vx vy vz wx wy wz ax ay az fx fy fz tx ty tz ";
 
 /// The columns of one model or probe.
 std::vector<std::string> columns_of(const std::string& name, std::string_view parts) {
   std::vector<std::string> columns;
   for (const auto& part : kParts) {
-    if (parts.empty() || parts.find(fmt::format(" {} ", part.name)) != std::string_view::npos) {
+    if (parts.find(fmt::format(" {} ", part.name)) != std::string_view::npos)
       columns.push_back(fmt::format("{}.{}", name, part.name));
-    }
   }
   return columns;
 }
 
 std::vector<std::string> columns_of(const Probe& probe) {
-  if (probe.kind == ProbeKind::kForce) return columns_of(probe.name, kForceParts);
-  if (probe.kind == ProbeKind::kPose) return columns_of(probe.name, kPoseParts);
-  if (probe.kind != ProbeKind::kMotion) return {probe.name};
-  std::vector<std::string> columns;
-  for (const char* part : kMotionParts) columns.push_back(fmt::format("{}.{}", probe.name, part));
-  return columns;
+  switch (probe.kind) {
+    case ProbeKind::kForce:
+      return columns_of(probe.name, kForceParts);
+    case ProbeKind::kPose:
+      return columns_of(probe.name, kPoseParts);
+    case ProbeKind::kVelocity:
+      return columns_of(probe.name, kVelocityParts);
+    case ProbeKind::kMotion:
+      return columns_of(probe.name, kMotionParts);
+    default:
+      return {probe.name};
+  }
 }
 
 /// The key of a probe that names a fluid; empty for the others.
@@ -73,7 +80,7 @@ std::vector<std::string> columns_near(const Scene& scene, const std::string& own
     if (model.motion == Motion::kStatic) continue;
     owners.push_back(model.name);
     if (model.name == owner) {
-      for (auto& column : columns_of(model.name, "")) columns.push_back(std::move(column));
+      for (auto& column : columns_of(model.name, kBodyParts)) columns.push_back(std::move(column));
     }
   }
   return columns.empty() ? owners : columns;

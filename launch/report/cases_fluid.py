@@ -224,7 +224,7 @@ STANDING_WAVE = Case(
     id="F4",
     title="Standing wave",
     order_why="the period is right within 0.25 to 1.4 % at every spacing, up and down; what sets that was not found",
-    why="disorder of the particles takes it, and little else: at 2 cm a third of the diffusion leaves 14.9 instead of 15.1 %, a sound speed of 20 instead of 31 m/s 11.9 %, particle shifting 12.8 %; at 1.25 cm no artificial viscosity 12.5 instead of 14 %; implicit: 24 % at 2 cm, in steps 13 times as long",
+    why="disorder of the particles takes it, and little else: at 2 cm a third of the diffusion leaves 14.9 instead of 15.1 %, a sound speed of 20 instead of 31 m/s 11.9 %, particle shifting 12.8 %; at 1.25 cm no artificial viscosity 12.5 instead of 14 %; implicit: 20 % at 2 cm, in steps 13 times as long",
     scene="report/standing_wave",
     about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of the "
     "height of its middle is lost from the first extreme to the ninth, four periods later.",

@@ -187,6 +187,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"level_at: [0, 0]", "motion_of: wate", "29:31", "no fluid 'wate'", "'water'"},
         Case{"level_at: [0, 0]", "void_in: wate", "29:29", "no fluid 'wate'", "'water'"},
         Case{"push.fz", "push.fq", "34:21", "no column 'push.fq'", "push.f"},
+        Case{"force_on: tank", "velocity_at: [0, 0, 0]", "34:21", "no column 'push.fz'", "push.vz"},
         Case{"push.fz", "tank.x", "34:21", "'tank' is static", "force_on"},
         Case{"push.fz", "push", "34:21", "no column 'push'", "push.fx"},
         Case{"push.fz, below: 3", "push.fz, below: 3 m", "34:37", "is a length (m), but a force (N)", "N"},
