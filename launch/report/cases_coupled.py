@@ -71,6 +71,7 @@ ROLLING_BOX = Case(
     "the box of another code's record. It rolls to 45 degrees, at about 1 1/s in the beginning. Shown without a target: at 45 degrees the metacentric height is 1 cm only, "
     "so that a lever of a third of a millimetre turns it by 2 degrees.",
     source="hydrostatics",
+    order_why="implicit: less than a degree at every spacing, a lever of a sixth of a millimetre, of which chance in the packing of the particles decides",
     resolutions=(("coarse", 0.1), ("10s", 0.05), ("1min", 1 / 30), ("10min", 0.025)),
     measures=(
         Measure("mean angle from 15 s on, against 45", "deg", at_rest),
@@ -250,9 +251,10 @@ TURNING = Case(
     about="The disc 0.25 m off the centre of a round tank of 1 m, full, that turns at 1 rad/s with all that is in it, for 10 s, without gravity. It goes on to turn with it: "
     "radius of its way, rate at which its centre goes round, rate at which it turns itself at the end.",
     source="rigid rotation",
-    why="on its place for 1 to 2 s; then the lattice around it gets into disorder and pushes it, by some mm/s, and nothing holds back a body as dense as its fluid. At 2.5 cm (explicit): 2.9 %; without particle shifting 4.7 %, no "
-    "artificial viscosity 6.9 %, a viscosity of 1 and 10 Pa s 12 and 5.8 %, sound twice as fast 3.8 %, a third of the diffusion 1.9 %, started 1 cm aside 19 %: chance decides",
-    order_why="it is a random walk, as above",
+    why="suction tears the water: a full tank without gravity starts under no pressure, and turning puts its middle under suction. Beside the disc, towards the middle, a void opens within a second "
+    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. At 2.5 cm (explicit): 2.9 %; without particle shifting 4.7 %, no "
+    "artificial viscosity 6.9 %, a viscosity of 1 and 10 Pa s 12 and 5.8 %, sound twice as fast 3.8 %, a third of the diffusion 1.9 %, started 1 cm aside 19 %",
+    order_why="where and when the void opens is chance, as above",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(
         Measure("radius, drift / diameter", "%", lambda r: radius_drift(r) / 0.2, (0.01, 0.003, 0.001)),

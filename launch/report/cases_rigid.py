@@ -132,7 +132,7 @@ TUMBLING = Case(
     title="Turning about the middle axis",
     order_why="a microsecond at every step: what linear interpolation leaves between rows and between those of the reference, 0.05 s apart",
     scene="report/free_flight",
-    about="A box turns about its middle axis and flips over again and again (Dzhanibekov), for 100 s.",
+    about="A box turns about its middle axis and flips over again and again (Dzhanibekov), for 100 s. Its moments of inertia are 0.9, 2.05 and 2.77 kg m^2: 1, 2 and 3 would be a flat plate's.",
     source="Euler's equations, Runge-Kutta of fourth order at a step whose error is below 1e-9",
     knob=STEP,
     resolutions=STEPS,
@@ -194,20 +194,20 @@ PENDULUM = Case(
     id="R4",
     title="Pendulum",
     scene="report/pendulum",
-    about="A rod of 1.5 m on a hinge, let go at 5 to 150 degrees, for 12 s.",
+    about="A rod of 1.5 m on a hinge, let go at 5 to 179 degrees, for 12 s (at 179 the target of the period is 1 %).",
     source="complete elliptic integral",
     knob=STEP,
     resolutions=STEPS,
     methods=("ode",),
     variants=tuple(
-        Variant(f"{a}deg", {"models.rod.pose": rod_pose(a)}, {"angle": a}) for a in (5, 30, 60, 90, 120, 150)
+        Variant(f"{a}deg", {"models.rod.pose": rod_pose(a)}, {"angle": a}) for a in (5, 30, 60, 90, 120, 150, 179)
     ),
     measures=(
         Measure(
             "period",
             "%",
             lambda r: relative(period(*swings(r)), pendulum_period(SMALL, math.radians(r["angle"]))),
-            (1e-3,),
+            lambda v: (1e-2,) if v.values["angle"] == 179 else (1e-3,),
         ),
         Measure("amplitude lost per period", "%", amplitude_loss, (1e-3,)),
         Measure("gap of the hinge / length", "", hinge_gap, (1e-4,)),

@@ -10,6 +10,7 @@ import trust
 from case import LEVELS, METHODS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, met_by_level, points_of, times_to_targets
+from left_out import LEFT_OUT
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
 from runs import Place, write_whole
@@ -298,8 +299,10 @@ def write(
         stability=stability(cases, rows),
         methods=methods(rows),
         elsewhere=ELSEWHERE,
+        left_out=LEFT_OUT,
         trust=trust.table(cases, rows),
         tally=tally(rows),
+        staggered=tally([r for r in rows if r["method"] == "staggered"])["missed"],
         levels=met_by_level(cases, rows),
         changes=changes,
         word=WORD,
