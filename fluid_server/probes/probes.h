@@ -32,6 +32,7 @@ std::array<double, 7> motion_of(const WcsphFluid& fluid, std::size_t which);
 /// all of its particles, m^3 (in dimension 2 of 1 m of depth). In a lattice no place is; where particles are in
 /// disorder some are, for a moment and for less than a particle's volume. What is open to the outside or to a wall
 /// around the fluid is no void; a body that the fluid encloses counts as one. On a grid of half a spacing.
+/// Not a number where strays lie so far apart that it would have more than 1e8 places.
 double largest_void(const WcsphFluid& fluid, std::size_t which);
 
 /// Particles whose centre a body would hold at a pose.
