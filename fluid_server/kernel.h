@@ -3,6 +3,7 @@
 //     W = s [ (2 - q)^3 / 4 - (1 - q)^3 ],  s = 10 / (7 pi h^2) in 2-D, 1 / (pi h^3) in 3-D, each bracket cut off at 0
 //   Wendland C2 (Wendland 1995), q = r / H:
 //     W = s (1 - q)^4 (1 + 4 q),            s = 7 / (pi H^2) in 2-D, 21 / (2 pi H^3) in 3-D
+// Slopes are W' over the gradient that sums over the cubic lattice of the particles give (lattice_gradient).
 #pragma once
 #include <cmath>
 #include <numbers>
@@ -16,6 +17,10 @@ struct Kernel {
   KernelKind kind = KernelKind::kWendland;
   int dimension = 3;
   double support = 0;  ///< H, m
+  double lattice = 1;  ///< what slopes are divided by, see lattice_gradient()
+
+  /// The kernel that scenes use, for particles that are spacing (m) apart.
+  static Kernel of(KernelKind kind, int dimension, double spacing);
 
   double h() const { return support / 2; }
   double scale() const {
@@ -36,14 +41,35 @@ struct Kernel {
   double slope_over_r(double r) const {
     if (kind == KernelKind::kCubic) {
       const double rr = std::max(r, 1e-9 * support), q = rr / h(), a = std::max(2 - q, 0.0), b = std::max(1 - q, 0.0);
-      return scale() / (h() * rr) * (3 * b * b - 0.75 * a * a);
+      return slope_scale() / (h() * rr) * (3 * b * b - 0.75 * a * a);
     }
     const double a = std::max(1 - r / support, 0.0);
-    return -20 * scale() / (support * support) * a * a * a;
+    return -20 * slope_scale() / (support * support) * a * a * a;
   }
+  double slope_scale() const { return scale() / lattice; }
 };
 
 /// Support radius in spacings. Wendland: README.md says why 2.9.
 inline double support_in_spacings(KernelKind kind) { return kind == KernelKind::kCubic ? 2.0 : 2.9; }
+
+/// Gradient of a field whose gradient is 1, by the sum over a cubic lattice: -1/D sum d^D r W'(r). Its Laplacian by the
+/// viscous sum is wrong by the same factor.
+inline double lattice_gradient(const Kernel& kernel, double spacing) {
+  const int reach = static_cast<int>(kernel.support / spacing), deep = kernel.dimension == 3 ? reach : 0;
+  double sum = 0;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -deep; k <= deep; ++k) {
+        const double r2 = spacing * spacing * (i * i + j * j + k * k);
+        if (r2 > 0) sum -= r2 * kernel.slope_over_r(std::sqrt(r2));
+      }
+  return sum * std::pow(spacing, kernel.dimension) / kernel.dimension;
+}
+
+inline Kernel Kernel::of(KernelKind kind, int dimension, double spacing) {
+  Kernel kernel{kind, dimension, support_in_spacings(kind) * spacing};
+  kernel.lattice = lattice_gradient(kernel, spacing);
+  return kernel;
+}
 
 }  // namespace ballast::fluid

@@ -69,8 +69,8 @@ struct VectorKernel {
       : support2(static_cast<float>(k.support * k.support)),
         inverse_h(static_cast<float>(1 / (K == KernelKind::kCubic ? k.h() : k.support))),
         w_scale(static_cast<float>(k.scale())),
-        g_scale(static_cast<float>(K == KernelKind::kCubic ? k.scale() / (k.h() * k.h())
-                                                           : -20 * k.scale() / (k.support * k.support))) {}
+        g_scale(static_cast<float>(K == KernelKind::kCubic ? k.slope_scale() / (k.h() * k.h())
+                                                           : -20 * k.slope_scale() / (k.support * k.support))) {}
   HWY_INLINE VF value(VF r2) const {
     const F d;
     const VF q = hn::Mul(hn::Sqrt(r2), hn::Set(d, inverse_h)), zero = hn::Zero(d);

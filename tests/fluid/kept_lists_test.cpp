@@ -79,7 +79,7 @@ class KeptLists : public ::testing::TestWithParam<KeptCase> {
   }
 
   std::mt19937 random_{11};
-  Kernel kernel_{GetParam().kind, GetParam().dimension, support_in_spacings(GetParam().kind) * kSpacing};
+  Kernel kernel_ = Kernel::of(GetParam().kind, GetParam().dimension, kSpacing);
   Coordinates coordinates_ =
       Coordinates::make(plane() ? Box3{{-0.3, -0.5, 0.1}, {0.31, 0.5, 0.7}} : Box3{{-0.15, 0.02, 0.1}, {0.2, 0.3, 0.4}},
                         {GetParam().periodic, false, GetParam().periodic});

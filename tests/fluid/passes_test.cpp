@@ -22,7 +22,7 @@ class Passes : public ::testing::TestWithParam<PassCase> {
   static constexpr double kSpacing = 0.02;
 
   Passes()
-      : kernel_{GetParam().kind, GetParam().dimension, support_in_spacings(GetParam().kind) * kSpacing},
+      : kernel_{Kernel::of(GetParam().kind, GetParam().dimension, kSpacing)},
         coordinates_(Coordinates::make(domain(), {GetParam().periodic, false, GetParam().periodic})),
         items_(coordinates_, kernel_.support, GetParam().dimension, GetParam().threads) {
     std::mt19937 random(7);

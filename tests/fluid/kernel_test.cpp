@@ -1,0 +1,61 @@
+// Kernels against their definitions (unit integral, slope as the derivative of the value), and slopes over the lattice
+// of the particles against fields whose gradient and Laplacian are known.
+#include "fluid_server/kernel.h"
+
+#include <gtest/gtest.h>
+
+namespace ballast::fluid {
+namespace {
+
+constexpr double kSpacing = 0.02;
+
+struct KernelCase {
+  KernelKind kind;
+  int dimension;
+};
+
+class Kernels : public ::testing::TestWithParam<KernelCase> {
+ protected:
+  Kernel kernel_ = Kernel::of(GetParam().kind, GetParam().dimension, kSpacing);
+};
+
+TEST_P(Kernels, HaveAnIntegralOfOneAndSlopesOfTheirValue) {
+  const int steps = 20000;
+  const double dr = kernel_.support / steps, pi = std::numbers::pi;
+  double integral = 0;
+  for (int n = 0; n < steps; ++n) {
+    const double r = (n + 0.5) * dr;
+    integral += kernel_.value(r) * (kernel_.dimension == 2 ? 2 * pi * r : 4 * pi * r * r) * dr;
+  }
+  EXPECT_NEAR(integral, 1, 1e-6);
+  for (const double share : {0.1, 0.3, 0.45, 0.6, 0.9}) {
+    const double r = share * kernel_.support;
+    const double slope = (kernel_.value(r + dr) - kernel_.value(r - dr)) / (2 * dr);
+    EXPECT_NEAR(kernel_.slope_over_r(r) * r * kernel_.lattice / slope, 1, 1e-5) << share;
+  }
+}
+
+// A field of slope 1 along x, and x^2, whose Laplacian is 2, seen from the particle in the middle of a lattice.
+TEST_P(Kernels, GiveGradientAndLaplacianOnALattice) {
+  const int n = 4, deep = kernel_.dimension == 3 ? n : 0;
+  const double volume = std::pow(kSpacing, kernel_.dimension);
+  double gradient = 0, laplacian = 0;
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j)
+      for (int k = -deep; k <= deep; ++k) {
+        const double x = i * kSpacing, r = kSpacing * std::sqrt(double(i * i + j * j + k * k));
+        if (r == 0) continue;
+        gradient += volume * x * -kernel_.slope_over_r(r) * x;
+        laplacian += volume * 2 * x * x * -kernel_.slope_over_r(r);
+      }
+  EXPECT_NEAR(gradient, 1, 1e-12);
+  EXPECT_NEAR(laplacian, 2, 1e-12);
+  EXPECT_NEAR(kernel_.lattice, 1, 0.03);  // it mends the rounding by the sampling, no more
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Kernels,
+                         ::testing::Values(KernelCase{KernelKind::kCubic, 2}, KernelCase{KernelKind::kCubic, 3},
+                                           KernelCase{KernelKind::kWendland, 2}, KernelCase{KernelKind::kWendland, 3}));
+
+}  // namespace
+}  // namespace ballast::fluid
