@@ -19,8 +19,8 @@ struct Kernel {
   double support = 0;  ///< H, m
   double lattice = 1;  ///< what slopes are divided by, see lattice_gradient()
 
-  /// The kernel that scenes use, for particles that are spacing (m) apart.
-  static Kernel of(KernelKind kind, int dimension, double spacing);
+  /// For particles that are spacing (m) apart; the support in spacings, 0: that of the kind.
+  static Kernel of(KernelKind kind, int dimension, double spacing, double support = 0);
 
   double h() const { return support / 2; }
   double scale() const {
@@ -66,8 +66,8 @@ inline double lattice_gradient(const Kernel& kernel, double spacing) {
   return sum * std::pow(spacing, kernel.dimension) / kernel.dimension;
 }
 
-inline Kernel Kernel::of(KernelKind kind, int dimension, double spacing) {
-  Kernel kernel{kind, dimension, support_in_spacings(kind) * spacing};
+inline Kernel Kernel::of(KernelKind kind, int dimension, double spacing, double support) {
+  Kernel kernel{kind, dimension, (support > 0 ? support : support_in_spacings(kind)) * spacing};
   kernel.lattice = lattice_gradient(kernel, spacing);
   return kernel;
 }

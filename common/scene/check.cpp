@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMostModels = 100'000;
 constexpr double kMostSteps = 1e12;
+constexpr double kLeastSupport = 2;  // spacings
 constexpr double kLeastPeriod =
     6;  // spacings: three of the smallest kernel's supports; the fluid wants three of its own
 
@@ -38,6 +39,10 @@ class Checker {
       fail(root_, {"coupling", "scheme"},
            "the implicit solver moves bodies with their mobility: it knows no staggered scheme",
            "Use interlinked or iterated, or numerics.pressure: wcsph.");
+    if (const double support = scene_.numerics.support; support != 0 && support < kLeastSupport)
+      fail(root_, {"numerics", "support"},
+           fmt::format("within {:g} spacings a particle has too few neighbours", support),
+           fmt::format("Set {:g} to 6, or 0 for what suits the kernel.", kLeastSupport));
     check_attraction();
   }
 

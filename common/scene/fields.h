@@ -250,6 +250,7 @@ template <class V>
 void visit(V& v, Numerics& n) {
   v({"pressure", kNone, "solver"}, n.pressure);
   v({"kernel", kNone, ""}, n.kernel);
+  v({"support", kNone, "radius of the kernel in spacings; 0: 2 (cubic), 2.9 (wendland)", Range{0, 6}}, n.support);
   v({"sound_speed", kSpeed, "0: ten times the largest speed expected", kNotNegative}, n.sound_speed);
   v.when(n.pressure != Pressure::kImplicit, "the explicit solver (numerics.pressure: wcsph)", [&](auto& w) {
     w({"courant", kNone, "number of the acoustic step; 0: the accuracy class's", kNotNegative}, n.courant);
@@ -264,8 +265,7 @@ void visit(V& v, Numerics& n) {
   v({"relax", kNone, "relax the particles at the start"}, n.relax);
   v({"skip_search", kNone, "keep lists while nothing leaves its cell; false: the same, slower"}, n.skip_search);
   v({"reduced_gravity", kNone,
-     "leave out the hydrostatic pressure: bodies get their buoyancy by Archimedes; for closed containers full of "
-     "fluid"},
+     "leave out the hydrostatic pressure: buoyancy by Archimedes; for closed containers full of fluid"},
     n.reduced_gravity);
 }
 

@@ -102,7 +102,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto           ? scene.numerics.kernel
                           : scene.world.dimension == 3 && settings.cubic_in_3d ? KernelKind::kCubic
                                                                                : KernelKind::kWendland;
-  const Kernel kernel = Kernel::of(kind, scene.world.dimension, scene.world.spacing);
+  const Kernel kernel = Kernel::of(kind, scene.world.dimension, scene.world.spacing, scene.numerics.support);
   self.constants_.kernel = kernel;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
   // Implicit pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light

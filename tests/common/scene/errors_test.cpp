@@ -170,6 +170,11 @@ INSTANTIATE_TEST_SUITE_P(Frames, Broken,
                                            Case{"force_on: tank", "force_on: tank, moves_with: tank", "30:35",
                                                 "probes at a place", "Remove moves_with"}));
 
+INSTANTIATE_TEST_SUITE_P(
+    Support, Broken,
+    ::testing::Values(Case{"world:", "numerics: { support: 1.5 }\nworld:", "2:22", "within 1.5 spacings", "Set 2 to 6"},
+                      Case{"world:", "numerics: { support: 7 }\nworld:", "2:22", "is 7", "from 0 to 6"}));
+
 INSTANTIATE_TEST_SUITE_P(Attraction, Broken,
                          ::testing::Values(Case{"world:", "world:\n  attraction: { rate: 1 Hz }", "12:5",
                                                 "would not act on the model 'tank'", "Remove"},

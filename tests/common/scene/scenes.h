@@ -35,8 +35,8 @@ joints:
   - { name: cross, type: universal, parent: ball, child: crate_0_0_0, axis: [0, 0, 1], axis2: [1, 0, 0] }
   - { name: slider, type: prismatic, parent: world, child: crate_1_0_2, limits: { upper: 2 }, spring: 3 N/m }
 coupling: { engine: free_body, scheme: interlinked, substeps: 2, rigid_step: 2 ms, contact_sets: never }
-numerics: { pressure: wcsph, kernel: wendland, sound_speed: 30 m/s, courant: 0.2, diffusion: 0.05, relax: false,
-  shifting: never, skip_search: false }
+numerics: { pressure: wcsph, kernel: wendland, support: 3.5, sound_speed: 30 m/s, courant: 0.2, diffusion: 0.05,
+  relax: false, shifting: never, skip_search: false }
 probes:
   - { name: front, level_at: [1.5, 0.3] }
   - { name: p1, pressure_at: [1.5, 0.3, 5 spacings] }
