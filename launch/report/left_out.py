@@ -11,7 +11,6 @@ LEFT_OUT = {
     "B7": "a start with the piston's speed: it starts under pressure; artificial viscosity is 0.005, its decay not shown",
     "B11": "contacts; angular momentum in a free drop",
     "B12": "a wedge that is free and very heavy: its speed is prescribed",
-    "B13": "the moment without the water under the foot, 204.4 N m (2.2 to 2.3 % less than what is measured): with it, 208.5",
     "R3": "moments of inertia of 1, 2 and 3, those of a flat plate: 0.9, 2.05 and 2.77, by Euler's equations",
     "R7": "speed and time at which a sliding sphere comes to roll: its way",
     "R8": "the time at rest",

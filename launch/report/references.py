@@ -56,6 +56,11 @@ def bouncing(times: Array, height: float, restitution: float, g: float = 9.81) -
     return out
 
 
+def hinge_moment(depth: float, density: float = 1000, g: float = 9.81) -> float:
+    """Of still water on one side of an upright gate, about a hinge at the bed, N m per metre: rho g H^3 / 6."""
+    return density * g * depth**3 / 6
+
+
 def added_mass(shape: str, q: float) -> float:
     """Inviscid added mass over displaced fluid mass in a concentric container q times as wide (Lamb, art. 93)."""
     return (q**2 + 1) / (q**2 - 1) if shape == "cylinder" else 0.5 * (q**3 + 2) / (q**3 - 1)

@@ -13,6 +13,8 @@ import cases_loads
 import cases_waves
 from case import Outcome, Variant
 
+TREE = Path(__file__).resolve().parents[2]
+
 
 class Made(Outcome):
     """A run that never was: times and columns."""
@@ -28,6 +30,24 @@ class Measures(unittest.TestCase):
         columns = {f"p{z}": 12500 * np.where(np.floor(z / 500 / t) == 13, 8.0, 5.0) for z in cases_waves.FACE}
         columns["p100"][150] *= 3
         self.assertAlmostEqual(cases_waves.face_pressure(Made(t, columns)), 8.0, delta=0.3)
+
+    def test_water_beside_the_round_foot_of_the_gate_has_no_moment(self):
+        lines = (TREE / "scenes/report/gate.obj").read_text().splitlines()
+        points = np.array([line.split()[1:] for line in lines if line.startswith("v ")], float)
+        foot = points[points[:, 1] < 0][:17, [0, 2]]  # the half circle, from the wet side to the dry one
+        self.assertEqual([foot[0].tolist(), foot[-1].tolist()], [[-0.05, 0], [0.05, 0]])
+        centre, force, torque = np.array([0.02, 0.3]), np.zeros(2), 0.0
+        heights = (np.arange(1000) + 0.5) / 2000
+        steps = [(np.array([-0.05, z]), np.array([9810 * (0.5 - z) / 2000, 0])) for z in heights]
+        for k, (a, b) in enumerate(zip(foot, foot[1:])):
+            normal = np.array([a[1] - b[1], b[0] - a[0]])  # into the gate, as long as the piece
+            steps.append(((a + b) / 2, 4905 * (1 - k / 16) ** 2 * normal))
+        for at, push in steps:
+            force += push
+            torque += (at - centre)[1] * push[0] - (at - centre)[0] * push[1]
+        values = {"fx": force[0], "fz": force[1], "ty": torque, "x": 0.65 + centre[0], "z": centre[1]}
+        run = Made(np.array([1.0]), {f"gate.{name}": np.array([value]) for name, value in values.items()})
+        self.assertAlmostEqual(float(cases_waves.moment(run)[0]), 1000 * 9.81 * 0.5**3 / 6, delta=1e-3)
 
     def test_a_rate_of_going_round_and_a_radius(self):
         t = np.linspace(0, 10, 501)

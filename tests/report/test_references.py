@@ -81,6 +81,10 @@ class Formulas(unittest.TestCase):
         )
         self.assertAlmostEqual(references.sloshing_period(1, 1e-3, 1), 2 / math.sqrt(9.81e-3), places=4)
 
+    def test_a_gate_bears_its_pressure_at_a_third_of_the_depth(self):
+        z = (np.arange(1000) + 0.5) / 2000  # m over the hinge
+        self.assertAlmostEqual(references.hinge_moment(0.5), float(9810 * ((0.5 - z) * z).sum() / 2000), delta=1e-3)
+
     def test_piston_root(self):
         for ratio in (0.01, 1, 100):
             q = references.piston_root(ratio)
