@@ -8,6 +8,7 @@ import cases_loads
 import cases_mass
 import cases_rigid
 import cases_sinking
+import cases_spin
 import cases_surface
 import cases_viscous
 import cases_waves
@@ -25,6 +26,7 @@ ALL: tuple[Case, ...] = (
     *cases_sinking.CASES,
     *cases_mass.CASES,
     *cases_rigid.CASES,
+    *cases_spin.CASES,
     *cases_contact.CASES,
     *stability.CASES,
 )

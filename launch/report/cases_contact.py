@@ -7,7 +7,7 @@ import numpy as np
 from case import Case, Chart, Measure, Outcome, Variant, judged_at
 from cases_rigid import STEP, STEPS, G, largest
 from metrics import NoFigure, relative, resample
-from references import bouncing, read_table, sliding
+from references import bouncing, comes_to_roll, read_table, rest_time, sliding, sliding_then_rolling
 
 Array = np.ndarray
 
@@ -107,6 +107,50 @@ ROLLING = Case(
     chart=way_chart("ball", 1),
 )
 
+THROWN = 2.0, 0.1  # m/s, friction
+
+
+def slip(run: Outcome) -> tuple[Array, Array]:
+    """Speed of the sphere's foot over the floor, m/s."""
+    t, vx = run.series("ball.vx")
+    return t, vx - 0.1 * run.values("ball.wy")
+
+
+def rolls_from(run: Outcome) -> float:
+    """When it no longer slides: where the line through the last two rows in which it does meets zero."""
+    t, v = slip(run)
+    slides = np.nonzero(v > 1e-3 * THROWN[0])[0]
+    if slides.size < 2 or slides[-1] == v.size - 1:
+        raise NoFigure("it never comes to roll")
+    k = slides[-1]
+    return float(t[k] + v[k] * (t[k] - t[k - 1]) / (v[k - 1] - v[k]))
+
+
+THROWN_SPHERE = Case(
+    id="R7s",
+    title="Sphere that slides and comes to roll",
+    order_why="exact at every step; what is left is round-off",
+    scene="report/roll",
+    about="A sphere set down on a level plane at 2 m/s without spin, friction 0.1: it rolls at 5/7 of that after 2 v / (7 mu g) = 0.58 s.",
+    source="rigid-body dynamics",
+    knob=STEP,
+    resolutions=STEPS,
+    methods=("ode",),
+    overrides=SLIPPERY
+    | {"world.gravity": f"[0, 0, -{G}]", "models.ball.velocity": f"[{THROWN[0]}, 0, 0]", "output.every": "0.001"},
+    measures=(
+        Measure("time until it rolls", "%", lambda r: relative(rolls_from(r), comes_to_roll(*THROWN)), (0.01,)),
+        Measure("speed then", "%", lambda r: relative(r.values("ball.vx")[-1], 5 / 7 * THROWN[0]), (0.01,)),
+        Measure("way in 1 s", "%", lambda r: relative(way(r, "ball"), float(sliding_then_rolling(1.0, *THROWN))), (0.01,)),
+    ),
+    chart=Chart(
+        "t (s)",
+        "way (m)",
+        lambda r: (r.series("ball.x")[0], r.values("ball.x")),
+        lambda v, f: ((t := np.linspace(0, 1, 100)), sliding_then_rolling(t, *THROWN)),
+    ),
+)
+
 # R8 and R9
 
 
@@ -126,12 +170,26 @@ def apex_error(run: Outcome) -> float:
     return relative(first_apex(run), run["e"] ** 2) if run["e"] > 0 else abs(first_apex(run))
 
 
+def rests_from(run: Outcome) -> float:
+    """The first row from which on it moves by less than 1 mm/s."""
+    t, v = run.series("ball.vz")
+    moves = np.nonzero(np.abs(v) > 1e-3)[0][-1]
+    if moves == v.size - 1:
+        raise NoFigure("it bounces to the end of the run")
+    return float(t[moves + 1])
+
+
+def rest_error(run: Outcome) -> float:
+    return relative(rests_from(run), rest_time(1, run["e"]))
+
+
 BOUNCING = Case(
     id="R8",
     title="Bouncing ball",
     order_why="steps are cut at impacts, so that their length hardly matters: heights are off by 0.01 mm and less",
     scene="report/bounce",
-    about="A ball dropped from 1 m on a floor, restitution 0 to 1: the first rebound rises to e^2 m; with 0 there is none (shown over the height of the fall).",
+    about="A ball dropped from 1 m on a floor, restitution 0 to 1: the first rebound rises to e^2 m; with 0 there is none (shown over the height of the fall). It rests "
+    "after sqrt(2 h / g) (1 + e) / (1 - e), 1.354571 s with 0.5; with 0.9 and 1 that is after the end of the run.",
     source="Newton",
     knob=STEP,
     resolutions=STEPS,
@@ -142,6 +200,7 @@ BOUNCING = Case(
     ),
     measures=(
         Measure("apex", "%", apex_error, (0.01,)),
+        Measure("time at which it rests", "%", rest_error, lambda v: (0.01,) if v.values["e"] <= 0.5 else ()),
         Measure("height gained ever", "%", lambda r: max(0.0, float(np.max(r.values("ball.z"))) - 1.1), (1e-6,)),
     ),
     shown=(2, 3, 4),
@@ -333,4 +392,4 @@ COLLAPSE = Case(
     ),
 )
 
-CASES = (SLIDING, RESTING, ROLLING, BOUNCING, COLLISION, TIPPING, STACK, HEAVY_ON_LIGHT, COLLAPSE)
+CASES = (SLIDING, RESTING, ROLLING, THROWN_SPHERE, BOUNCING, COLLISION, TIPPING, STACK, HEAVY_ON_LIGHT, COLLAPSE)

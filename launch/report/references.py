@@ -61,6 +61,23 @@ def hinge_moment(depth: float, density: float = 1000, g: float = 9.81) -> float:
     return density * g * depth**3 / 6
 
 
+def rest_time(height: float, restitution: float, g: float = 9.81) -> float:
+    """When that ball is at rest: the sum of all flights."""
+    return math.sqrt(2 * height / g) * (1 + restitution) / (1 - restitution)
+
+
+def comes_to_roll(speed: float, friction: float, g: float = 9.81) -> float:
+    """When a sphere that starts without spin on a level plane no longer slides; its speed is 5/7 of the first one then."""
+    return 2 * speed / (7 * friction * g)
+
+
+def sliding_then_rolling(times: Array, speed: float, friction: float, g: float = 9.81) -> Array:
+    """Way of that sphere."""
+    rolls = comes_to_roll(speed, friction, g)
+    t = np.minimum(times, rolls)
+    return speed * t - friction * g * t**2 / 2 + 5 / 7 * speed * np.maximum(times - rolls, 0)
+
+
 def added_mass(shape: str, q: float) -> float:
     """Inviscid added mass over displaced fluid mass in a concentric container q times as wide (Lamb, art. 93)."""
     return (q**2 + 1) / (q**2 - 1) if shape == "cylinder" else 0.5 * (q**3 + 2) / (q**3 - 1)
@@ -218,6 +235,20 @@ def tumbling(inertia: Array, omega: Array, times: Array, step: float = 1e-3) -> 
             w, now = w + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4), now + h
         rows.append(w)
     return np.array(rows)
+
+
+def first_flip(inertia: tuple[float, float, float], omega: tuple[float, float, float]) -> float:
+    """When a free body with moments of inertia 1 < 2 < 3 first turns over, that starts with 0 about its third axis and little
+    about the first; then every two of these quarter periods. Jacobi's solution for an angular momentum below sqrt(2 T I_2),
+    L.D. Landau and E.M. Lifshitz, Mechanics, section 37."""
+    i1, i2, i3 = inertia
+    twice_energy = sum(i * w**2 for i, w in zip(inertia, omega))
+    square = sum((i * w) ** 2 for i, w in zip(inertia, omega))
+    if omega[2] != 0 or not i1 < i2 < i3 or not i1 * twice_energy < square < i2 * twice_energy:
+        raise ValueError("no such start")
+    rate = math.sqrt((i2 - i1) * (i3 * twice_energy - square) / (i1 * i2 * i3))
+    modulus = math.sqrt((i3 - i2) * (square - i1 * twice_energy) / ((i2 - i1) * (i3 * twice_energy - square)))
+    return elliptic_k(modulus) / rate
 
 
 def martin_moyce() -> tuple[Array, Array]:

@@ -10,8 +10,10 @@ import cases_contact
 import cases_coupled
 import cases_experiment
 import cases_loads
+import cases_spin
 import cases_waves
 from case import Outcome, Variant
+from metrics import NoFigure
 
 TREE = Path(__file__).resolve().parents[2]
 
@@ -48,6 +50,26 @@ class Measures(unittest.TestCase):
         values = {"fx": force[0], "fz": force[1], "ty": torque, "x": 0.65 + centre[0], "z": centre[1]}
         run = Made(np.array([1.0]), {f"gate.{name}": np.array([value]) for name, value in values.items()})
         self.assertAlmostEqual(float(cases_waves.moment(run)[0]), 1000 * 9.81 * 0.5**3 / 6, delta=1e-3)
+
+    def test_a_sphere_comes_to_roll_where_its_slip_ends(self):
+        t = np.linspace(0, 1, 101)
+        v = np.maximum(2 - 3.4335 * t, 0)  # 7/2 mu g
+        run = Made(t, {"ball.vx": v + 1, "ball.wy": np.full(101, 10.0)})
+        self.assertAlmostEqual(cases_contact.rolls_from(run), 2 / 3.4335, places=9)
+        self.assertRaises(NoFigure, cases_contact.rolls_from, Made(t, {"ball.vx": 2 - t, "ball.wy": 0 * t}))
+
+    def test_a_ball_rests_from_the_first_row_that_stays_still(self):
+        t = np.linspace(0, 1, 101)
+        run = Made(t, {"ball.vz": np.where((t < 0.3) | (np.abs(t - 0.5) < 1e-9), 1.0, 1e-4)})
+        self.assertAlmostEqual(cases_contact.rests_from(run), 0.51, places=9)
+
+    def test_orientation_of_a_fast_sphere(self):
+        t = np.linspace(0, 1, 11)
+        half = 5000 * t + 0.05 * t  # 0.1 rad too far at the end
+        parts = {"w": np.cos(half), "x": 0.6 * np.sin(half), "y": 0.8 * np.sin(half), "z": 0 * t}
+        run = Made(t, {f"body.q{name}": value for name, value in parts.items()})
+        run.variant = Variant("", {}, {"sphere": True})
+        self.assertAlmostEqual(cases_spin.sphere_turned(run), 0.1, places=9)
 
     def test_a_rate_of_going_round_and_a_radius(self):
         t = np.linspace(0, 10, 501)

@@ -57,7 +57,9 @@ class Formulas(unittest.TestCase):
 
     def test_a_ball_bounces_to_the_square_of_restitution_and_comes_to_rest(self):
         e, fall = 0.5, math.sqrt(2 / 9.81)
-        rest = fall * (1 + e) / (1 - e)  # 1.354571 s: the sum of all flights
+        rest = references.rest_time(1, e)
+        self.assertAlmostEqual(rest, 1.354571, places=6)
+        self.assertAlmostEqual(rest, fall + sum(2 * fall * e**n for n in range(1, 60)), places=12)
         apex = fall * (1 + e)  # of the first rebound
         height = references.bouncing(np.array([0, fall, apex, rest + 1e-6, 2]), 1, e)
         np.testing.assert_allclose(height[:3], [1, 0, e**2], atol=1e-12)
@@ -80,6 +82,16 @@ class Formulas(unittest.TestCase):
             references.sloshing_period(2, 100, 2), 2 * math.pi / math.sqrt(9.81 * math.pi), places=10
         )
         self.assertAlmostEqual(references.sloshing_period(1, 1e-3, 1), 2 / math.sqrt(9.81e-3), places=4)
+
+    def test_a_sphere_slides_until_its_foot_stands_still(self):
+        # By its equations of motion: v' = -mu g, r w' = 5/2 mu g until v = r w.
+        v, spin, way, t, dt = 2.0, 0.0, 0.0, 0.0, 1e-5
+        while v > spin:
+            v, spin, way, t = v - 0.981 * dt, spin + 2.4525 * dt, way + v * dt, t + dt
+        self.assertAlmostEqual(references.comes_to_roll(2, 0.1), t, delta=2e-5)
+        self.assertAlmostEqual(v, 10 / 7, delta=2e-5)
+        ways = references.sliding_then_rolling(np.array([0.0, t, t + 0.1]), 2, 0.1)
+        np.testing.assert_allclose(ways, [0, way, way + v * 0.1], atol=1e-4)
 
     def test_a_gate_bears_its_pressure_at_a_third_of_the_depth(self):
         z = (np.arange(1000) + 0.5) / 2000  # m over the hinge
@@ -132,6 +144,14 @@ class Tumbling(unittest.TestCase):
         w = references.tumbling(inertia, np.array([0.01, 1, 0]), np.array([0.0, 10.0, 20.0]), 1e-2)
         np.testing.assert_allclose((inertia * w**2).sum(1), 2.0001, atol=1e-8)
         np.testing.assert_allclose(((inertia * w) ** 2).sum(1), 4.0001, atol=1e-8)
+
+    def test_flips_are_those_of_the_equations_and_of_the_table(self):
+        first = references.first_flip((1, 2, 3), (0.01, 1, 0))
+        for number, published in enumerate((10.377305, 31.131915, 51.886524, 72.641134, 93.395744)):
+            self.assertAlmostEqual((2 * number + 1) * first, published, places=6)
+        w = references.tumbling(np.array([1.0, 2, 3]), np.array([0.01, 1, 0]), np.array([first, 2 * first]), 1e-2)[:, 1]
+        np.testing.assert_allclose(w, [0, -1], atol=1e-7)
+        self.assertRaises(ValueError, references.first_flip, (1, 2, 3), (0, 1, 0.01))
 
 
 class Drops(unittest.TestCase):
