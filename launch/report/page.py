@@ -105,7 +105,7 @@ def error_chart(case: Case, rows: list[dict], index: int = 0) -> dict | None:
         Line("Pareto front", xs, ys, "points pt 6 ps 1.5 lw 1.5 lc rgb '#888888'"),
     ]
     plot.lines = [line for line in plot.lines if line.x]
-    plot.levels = [(scale * target, word) for target, word in target_lines(case, rows, index)]
+    plot.levels = [(scale * target, word) for target, word in target_lines(case, rows, index) if target > 0]
     return {"image": draw(plot), "measure": measure, "front": front} if every else None
 
 

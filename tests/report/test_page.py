@@ -92,6 +92,11 @@ class Targets(unittest.TestCase):
         self.assertEqual((light["targets"], light["lines"][0]["times"]), ((0.1, 0.05), [None, None]))
         self.assertEqual((heavy["targets"], heavy["lines"][0]["times"]), ((1.0, 0.5), [3.0, 3.0]))
 
+    def test_a_target_of_0_is_no_line_on_a_logarithmic_axis(self):
+        of = Case("A", "title", "about.", "scene", (("10s", 1.0),), (Measure("e", "", lambda run: 0.0, (0,)),))
+        rows = [row(of, Variant(), 1.0), row(of, Variant(), 0.0, h=2.0)]
+        self.assertTrue(page.error_chart(of, rows)["image"])
+
 
 class Front(unittest.TestCase):
     def test_a_point_is_the_slowest_time_and_the_worst_error_and_names_its_run(self):
