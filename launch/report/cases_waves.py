@@ -191,7 +191,7 @@ RELEASED = Case(
     id="B13r",
     title="Gate let go",
     scene="report/gate_released",
-    about="The same gate, on a hinge at the foot of its dry side, leans on a latch that is drawn away after 1 s: it falls over and the water runs out. Energy of water and "
+    about="A gate as wide and high with a flat foot, on a hinge at the foot of its dry side, leans on a latch that is drawn away after 1 s: it falls over and the water runs out. Energy of water and "
     "gate never rises above the start; 1 % of the energy at play is allowed, as in the stability suite.",
     source="conservation of energy",
     order_why="explicit: all of it is a gain of the fluid's own, 0.18, 0.12 and 0.05 %; of first order from 2.5 cm on, not yet at 5 cm, where the water is ten particles deep",
