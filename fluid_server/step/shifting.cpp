@@ -86,7 +86,7 @@ void Shifting::find(const Neighbourhood& items, const ItemExtras& extras, const 
   Frame frame;
   Vec3 turn = Vec3::Zero();
   // What solids hold keeps neither: there the correction would be one more source of noise.
-  if (items.sample_item.empty()) {
+  if (!held_ || items.sample_item.empty()) {
     frame = find_frame(items, extras, constants);
     turn = find_turn(items, extras, constants, frame);
   }

@@ -19,12 +19,13 @@ struct ShiftReport {
 
 class Shifting {
  public:
-  explicit Shifting(double spacing) : spacing_(spacing) {}
+  /// `held`: walls or other solids that do not move freely are in the scene, or the domain repeats itself.
+  Shifting(double spacing, bool held) : spacing_(spacing), held_(held) {}
 
   /// Lists and records are those of the step. Finds the moves, and by how much they spread the fluid out: pressure
   /// follows the velocities, so that what shifting undoes would pile up as pressure. Their mean is given back:
-  /// `expansion`, the share of its density that the fluid loses. Where no solid is near,
-  /// the centre of mass stays where it is, and the angular momentum what it is.
+  /// `expansion`, the share of its density that the fluid loses. Where no solid is near
+  /// or all of them are free, the centre of mass stays where it is, and the angular momentum what it is.
   void find(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants);
   /// Move of a particle, m.
   Eigen::Vector3f move(std::size_t particle) const { return Eigen::Vector3f::Map(uneven_[particle].push); }
@@ -50,6 +51,7 @@ class Shifting {
                  const Frame& frame) const;
 
   double spacing_;
+  bool held_;
   std::vector<Unevenness> uneven_;  // `push` becomes the move
   float expansion_ = 0;
   ShiftReport report_;

@@ -142,7 +142,11 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.samples_ = std::make_unique<Samples>(
       Samples::make(scene, bodies, self.coordinates_, kernel.support - 0.5 * scene.world.spacing));
   self.particles_ = std::move(self.filled_.particles);
-  if (scene.numerics.shifting == When::kAlways) self.shifting_ = std::make_unique<Shifting>(self.spacing_);
+  if (scene.numerics.shifting == When::kAlways) {
+    const bool held = std::ranges::count(scene.world.periodic, true) > 0 ||
+                      std::ranges::any_of(scene.models, [](const Model& m) { return m.motion != Motion::kDynamic; });
+    self.shifting_ = std::make_unique<Shifting>(self.spacing_, held);
+  }
   if (scene.numerics.relax && relax_start) {
     std::vector<Record> solid(self.samples_->record.begin(), self.samples_->record.end());
     std::erase_if(solid, [](const Record& r) { return r.volume == 0; });

@@ -2,6 +2,7 @@
 
 import cases_contact
 import cases_coupled
+import cases_drop
 import cases_experiment
 import cases_fluid
 import cases_loads
@@ -19,6 +20,7 @@ ALL: tuple[Case, ...] = (
     *cases_fluid.CASES,
     *cases_surface.CASES,
     *cases_coupled.CASES,
+    *cases_drop.CASES,
     *cases_viscous.CASES,
     *cases_waves.CASES,
     *cases_experiment.CASES,

@@ -9,8 +9,6 @@ LEFT_OUT = {
     "B4": "a window from 5 b/c = 12.5 ms on: from 2 ms. From 12.5 ms light and neutral bodies start 4.4 to 5.4 % off by the implicit solver at level 1min, where the target is 4 %",
     "B4w": "the sphere, and ratios 0.1, 0.9, 1.1 and 20; 5 b/c is longer than its runs",
     "B7": "a start with the piston's speed: it starts under pressure; artificial viscosity is 0.005, its decay not shown",
-    "B11": "contacts; angular momentum in a free drop",
-    "B12": "a wedge that is free and very heavy: its speed is prescribed",
     "X2": "the tables with other columns, Koshizuka and Oka's, Buchner's, P3 and P4; the shift in time is not shown",
     "X3": "the free box",
     "X4": "the slamming force",

@@ -87,6 +87,30 @@ TEST(Shifting, KeepsTheAngularMomentumOfAPatchThatTurns) {
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-5 * before.momentum.norm());
 }
 
+/// A free body takes what the patch gives: nothing else is to be lost, whatever is moved. Here it is held where it is.
+TEST(Shifting, KeepsTheAngularMomentumOfAPatchAndAFreeBody) {
+  Scene scene = sheared(When::kAlways);
+  scene.world.periodic = {false, false, false};
+  scene.world.domain = Box3{{-1, -1, -1}, {2, 1, 2}};
+  scene.fluids[0].vortex_speed = 0;
+  scene.fluids[0].viscosity = 0;
+  scene.fluids[0].angular_velocity = {0, 1, 0};
+  scene.models = {box_body("box", {0.2, 1, 0.3}, 500, {0.6, 0, 0.55})};
+  const std::vector<Body> bodies = *make_bodies(scene);
+  const std::vector states{initial_state(scene.models[0], bodies[0], scene.world.gravity)};
+  auto fluid = *WcsphFluid::make(scene, bodies, 1);
+  const double start = fluid->measure().angular_momentum[1], dt = 0.25 * fluid->constants().kernel.h() / 11;
+  double given = 0;
+  for (int n = 0; n < 400; ++n) {
+    fluid->begin(states, dt);
+    const exchange::Wrench& w = fluid->wrenches()[0];
+    given += dt * (Vec3::Map(states[0].position).cross(Vec3::Map(w.force)) + Vec3::Map(w.torque))[1];
+    fluid->move();
+  }
+  EXPECT_GT(fluid->shifting()->largest, 0.002) << "this test had no power: nothing was shifted";
+  EXPECT_NEAR(fluid->measure().angular_momentum[1] + given, start, 1e-5 * std::abs(start));
+}
+
 /// The mean pressure follows the mean summed density with shifting, as it does without.
 TEST(Shifting, UndoesNoCompressionInSecret) {
   Flowing flow(sheared(When::kAlways));
