@@ -20,6 +20,18 @@ def resample(t: Array, y: Array, at: Array) -> Array:
     return np.interp(at, t, y)
 
 
+def running_mean(t: Array, y: Array, width: float) -> Array:
+    """Mean of y over width / 2 to both sides of each time, y linear between rows and constant beyond its ends."""
+    before = np.concatenate([[0], np.cumsum(np.diff(t) * (y[1:] + y[:-1]) / 2)])
+
+    def integral(x: Array) -> Array:
+        row = np.clip(np.searchsorted(t, x, side="right") - 1, 0, t.size - 1)
+        return before[row] + (x - t[row]) * (y[row] + np.interp(x, t, y)) / 2
+
+    first = np.minimum(t - width / 2 - t[0], 0) * y[0]  # what lies before the first row
+    return (integral(t + width / 2) - integral(np.maximum(t - width / 2, t[0])) - first) / width
+
+
 def rms(difference: Array) -> float:
     return float(np.sqrt(np.mean(np.square(difference))))
 

@@ -26,6 +26,13 @@ class Curves(unittest.TestCase):
         with self.assertRaises(metrics.NoFigure):
             metrics.resample(t, y, np.array([0.5, 2.5]))
 
+    def test_running_mean_of_a_line_a_spike_and_rows_of_any_distance(self):
+        np.testing.assert_allclose(metrics.running_mean(self.t, 3 + 2 * self.t, 0.5)[200:-200], (3 + 2 * self.t)[200:-200])
+        np.testing.assert_allclose(metrics.running_mean(self.t, np.full(5001, 7.0), 0.5), 7)
+        t = np.array([0, 0.3, 0.4, 0.5, 2.0])
+        spike = metrics.running_mean(t, np.array([0, 0, 1, 0, 0]), 0.4)
+        np.testing.assert_allclose(spike, [0, 0.25, 0.25, 0.25, 0], atol=1e-15)  # 0.1 of area over 0.4
+
     def test_period_and_decay_of_a_damped_swing(self):
         y = np.exp(-0.3 * self.t) * np.cos(2 * math.pi * 1.25 * self.t)
         self.assertAlmostEqual(metrics.period(self.t, y), 0.8, places=6)
