@@ -7,7 +7,7 @@ import numpy as np
 
 from case import Case, Chart, Measure, Outcome, Variant, judged_at
 from metrics import NoFigure, period, relative, resample, rms
-from references import hinge_moment, piston_root, read_table
+from references import hinge_moment, piston_root, read_table, slamming
 
 Array = np.ndarray
 G = 9.81  # m/s^2, as in the scenes
@@ -303,6 +303,14 @@ def entry_error_measured(run: Outcome) -> float:
     return rms(resample(*penetration(run), at) - measured)
 
 
+def slamming_error(run: Outcome) -> float:
+    """Of the force over rho D V^2 / 2, V its speed then, as a mean over the way from the surface to half a diameter deep."""
+    deep = penetration(run)[1]
+    coefficient = run.values("body.fz") / (500 * 0.11 * run.values("body.vz") ** 2)
+    at = np.linspace(0, 0.5, 501)
+    return relative(float(resample(deep, coefficient, at).mean()), float(slamming(at).mean()))
+
+
 def by_density(light: tuple[float, ...], heavy: tuple[float, ...]) -> Callable[[Variant], tuple[float, ...]]:
     """Targets of densities 500 and 1000."""
     return lambda variant: light if variant.values["density"] == 500 else heavy
@@ -316,7 +324,7 @@ ENTERING = Case(
     scene="report/cylinder_entry",
     about="A cylinder of 0.11 m hits water 0.3 m deep at 2.955 m/s, density 500 and 1000 kg/m^3; how deep its centre is against a "
     "boundary-element solution and, at density 500, the experiment.",
-    source="P.N. Sun et al., Appl. Ocean Res. 72 (2018) 60-75 (their boundary-element curve, digitised); experiment of M. Greenhow and W.-M. Lin, MIT report 83-19 (1983)",
+    source="P.N. Sun et al., Appl. Ocean Res. 72 (2018) 60-75 (their boundary-element curve, digitised); experiment of M. Greenhow and W.-M. Lin, MIT report 83-19 (1983); slamming force: I.M.C. Campbell and P.A. Weynberg (1980)",
     resolutions=(("coarse", 0.011), ("10s", 0.0055), ("1min", 0.00275)),
     measures=(
         Measure(
@@ -326,6 +334,7 @@ ENTERING = Case(
             by_density((0.08, 0.04, 0.025), (0.12, 0.07, 0.05)),
         ),
         Measure("the same against the experiment", "", entry_error_measured, judged_at((0.10, 0.06, 0.05), density=500)),
+        Measure("mean slamming coefficient, 0 to D / 2 deep", "%", slamming_error),
     ),
     variants=tuple(Variant(f"rho{d}", {"models.body.density": f"{d}"}, {"density": d}) for d in (500, 1000)),
     chart=Chart(

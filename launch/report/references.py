@@ -307,3 +307,11 @@ TEN_CATE = {
     "E3": (962, 0.113, 0.091, 0.959),
     "E4": (960, 0.058, 0.128, 0.955),
 }
+
+
+def slamming(submergence: Array) -> Array:
+    """F / (rho D V^2 / 2) per length of a cylinder that enters water at constant speed; submergence of its lowest point over D.
+
+    I.M.C. Campbell and P.A. Weynberg (1980), in the form of DNV-RP-C205.
+    """
+    return 5.15 * (1 / (1 + 19 * submergence) + 0.107 * submergence)

@@ -21,6 +21,13 @@ class Formulas(unittest.TestCase):
         series = 1 + a**2 / 16 + 11 * a**4 / 3072 + 173 * a**6 / 737280 + 22931 * a**8 / 1321205760
         self.assertAlmostEqual(references.pendulum_period(2, a), 2 * series, places=8)
 
+    def test_slamming_between_wagner_and_deep(self):
+        # As tabulated; the least is where 19 / (1 + 19 s)^2 = 0.107.
+        np.testing.assert_allclose(references.slamming(np.array([0, 0.05, 0.5])), [5.15, 2.6686, 0.766], atol=5e-5)
+        deep = (math.sqrt(19 / 0.107) - 1) / 19
+        s = np.linspace(0, 1, 10001)
+        self.assertAlmostEqual(s[np.argmin(references.slamming(s))], deep, places=3)
+
     def test_added_mass_far_from_a_wall_and_near(self):
         self.assertAlmostEqual(references.added_mass("cylinder", 1e4), 1, places=7)
         self.assertAlmostEqual(references.added_mass("sphere", 1e4), 0.5, places=7)
