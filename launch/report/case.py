@@ -65,7 +65,7 @@ class Outcome:
 
     def __init__(self, folder: Path, h: float, variant: Variant, references: list[Path]):
         self.record = json.loads((folder / "record.json").read_text())
-        self.h, self.variant, self.references = h, variant, references
+        self.folder, self.h, self.variant, self.references = folder, h, variant, references
         self._columns: dict[str, Array] = {}
         self._times: dict[str, Array] = {}
         for name in ("bodies.csv", "probes.csv"):
@@ -80,6 +80,13 @@ class Outcome:
 
     def __getitem__(self, value: str) -> float:
         return self.variant.values[value]
+
+    def beside(self, variant: Variant) -> "Outcome":
+        """The run of another variant by the same method at the same resolution."""
+        folder = self.folder.parents[1].with_name(variant.name) / self.folder.parent.name / self.folder.name
+        if not (folder / "record.json").is_file():
+            raise NoFigure(f"the run {variant.name} beside it is not there")
+        return Outcome(folder, self.h, variant, self.references)
 
     def series(self, column: str, start: float = 0, stop: float = np.inf) -> tuple[Array, Array]:
         """Times and values of a column within a window of time."""
