@@ -41,6 +41,11 @@ METHODS = {
             "the pressure that leaves no compression, from one linear system a step, bodies included; longer steps",
         ),
         Method(
+            "wide",
+            {"numerics.pressure": "wcsph", "numerics.support": "4"},
+            "the explicit solver with a kernel of 4 instead of 2.9 spacings: twice the neighbours in 2-D, quieter particles",
+        ),
+        Method(
             "staggered",
             {"numerics.pressure": "wcsph", "coupling.scheme": "staggered"},
             "the explicit solver with forces that know only the bodies' last acceleration, to show where that fails",

@@ -6,8 +6,15 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
-COLOURS = {"wcsph": "#0072B2", "implicit": "#D55E00", "staggered": "#009E73", "ode": "#0072B2", "free_body": "#D55E00"}
-MARKS = {"wcsph": 7, "implicit": 5, "staggered": 9, "ode": 7, "free_body": 5}
+COLOURS = {
+    "wcsph": "#0072B2",
+    "implicit": "#D55E00",
+    "wide": "#CC79A7",
+    "staggered": "#009E73",
+    "ode": "#0072B2",
+    "free_body": "#D55E00",
+}
+MARKS = {"wcsph": 7, "implicit": 5, "wide": 13, "staggered": 9, "ode": 7, "free_body": 5}
 DASHES = (1, 2, 4, 5)
 
 
