@@ -93,6 +93,13 @@ class Outcome:
             raise NoFigure(f"the run {variant.name} beside it is not there")
         return Outcome(folder, self.h, variant, self.references)
 
+    def coarser(self, h: float) -> "Outcome":
+        """The run of the same variant by the same method at another resolution."""
+        folder = self.folder.with_name(f"{h:g}")
+        if not (folder / "record.json").is_file():
+            raise NoFigure(f"the run at {h:g} beside it is not there")
+        return Outcome(folder, h, self.variant, self.references)
+
     def series(self, column: str, start: float = 0, stop: float = np.inf) -> tuple[Array, Array]:
         """Times and values of a column within a window of time."""
         if column not in self._columns:
