@@ -110,8 +110,8 @@ Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point) {
   const Kernel& kernel = fluid.constants().kernel;
   const auto found = near(fluid, point, kernel.support, false);
   if (found.empty()) return Vec3::Zero();
-  // Rows sqrt(w) [1, offset / support] and sqrt(w) v; where particles do not span all directions the solution of
-  // smallest norm leaves those gradients out.
+  // Rows sqrt(w) [1, offset / support] and sqrt(w) v; where particles do not span all directions (by a tenth of the
+  // support, half of what they do beside a wall) the solution of smallest norm leaves those gradients out.
   Eigen::MatrixXd terms(found.size(), 4), values(found.size(), 3);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -119,7 +119,9 @@ Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point) {
     terms.row(row) << w, (w / kernel.support) * found[i].offset.transpose();
     values.row(row) = w * found[i].velocity.transpose();
   }
-  return terms.completeOrthogonalDecomposition().solve(values).row(0).transpose();
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
+  fit.setThreshold(0.1).compute(terms);
+  return fit.solve(values).row(0).transpose();
 }
 
 std::array<double, 7> motion_of(const WcsphFluid& fluid, std::size_t which) {

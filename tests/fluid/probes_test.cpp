@@ -63,6 +63,27 @@ TEST_P(Turning, ThereIsNoVelocityAwayFromTheFluid) {
   EXPECT_EQ(velocity_at(*fluid_, {1.4, 0, 0.5}), Vec3::Zero().eval());
 }
 
+TEST_P(Turning, VelocityAboveASingleLayerIsThatOfTheLayer) {
+  // Two halves that differ in speed by 1 m/s and in height by 2 mm: no gradient over 2 mm reaches up to the probe.
+  Scene scene;
+  scene.world.spacing = 0.05;
+  scene.world.dimension = GetParam();
+  scene.numerics.sound_speed = 20;
+  scene.numerics.relax = false;
+  Fluid slow, fast;
+  slow.name = "slow", fast.name = "fast";
+  slow.fill.box = {{0, -0.5, 0}, {0.5, 0.5, 0.05}};
+  fast.fill.box = {{0.5, -0.5, 0.002}, {1, 0.5, 0.052}};
+  fast.velocity = {1, 0, 0};
+  scene.fluids = {slow, fast};
+  const auto fluid = *WcsphFluid::make(scene, *make_bodies(scene), 1);
+  for (const double x : {0.44, 0.48, 0.52, 0.56}) {
+    const Vec3 v = velocity_at(*fluid, {x, 0, 0.08});
+    EXPECT_GT(v[0], -0.2) << x;
+    EXPECT_LT(v[0], 1.2) << x;
+  }
+}
+
 TEST_P(Turning, MotionIsThatOfARigidBody) {
   const double mass = 1000, turning = mass * (1 - 0.05 * 0.05) / 6;  // of a lattice of 20 x 20, about its centre
   const Vec3 momentum(0.3 * mass, 0, -0.1 * mass);
