@@ -196,9 +196,9 @@ def largest_pressure(run: Outcome) -> float:
 IMPACT = Case(
     id="X2b",
     title="Dam break: pressure on the far wall",
-    why="the solver is not what misses: at Buchner's sensor (the same tank twice as large, at a fifth of the column's height) the mean is 1 to 6 % off, and spacings of 2 to 0.5 cm, "
+    why="the solver is not what misses: at Buchner's sensor (the same tank twice as large, at a fifth of the column's height) the mean is 1 to 6 % off, and spacings of 1 and 0.5 cm, "
     "shorter steps, five times the artificial viscosity and the tank in 3-D (1.5 cm) leave P1 where it is, 0.91 to 0.96 rho g H (0.64 measured). The measured P1 and P3, 27 mm above it, are the same from t* = 4 to 6, when the water at the wall "
-    "is nearly at rest and weighs 0.09 more at P1: about a third of the difference. What is left is friction, which free slip lacks: water 200 times as viscous brings P1 to 0.72 and P3 to 0.61 (0.64), at 1 cm, implicit. No air is caught before t* = 6",
+    "is nearly at rest and weighs 0.09 more at P1: about a third of the difference. What is left is friction, which free slip lacks: water 200 times as viscous brings P1 to 0.72 and P3 to 0.61 (0.64), at 1 cm, implicit. The wave that falls back, and may catch air, comes at t* = 6",
     order_why="the arrival goes to 2.38, before the 2.43 measured: no gate, no friction",
     scene="report/dam_break_wall",
     about="A column of 0.6 x 0.3 m collapses in a tank of 1.61 m; when the wall is hit, and the mean pressure 3 mm above its foot (P1) "
