@@ -7,6 +7,5 @@ LEFT_OUT = {
     "B4": "the sphere's window to 0.03 radii where it is longer than 40 ms (ratios 0.9 to 2)",
     "B4w": "the sphere, and ratios 0.1, 0.9, 1.1 and 20; 5 b/c is longer than its runs",
     "B7": "a start with the piston's speed: it starts under pressure; artificial viscosity is 0.005, its decay not shown",
-    "X2": "the tables with other columns, Koshizuka and Oka's; the shift in time is not shown",
     "X9": "the pitching tank, a table for regression only: where its axis and its sensors are is not in the data, and a prescribed body turns at a constant speed only",
 }
