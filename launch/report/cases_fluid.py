@@ -31,6 +31,7 @@ HYDROSTATIC = Case(
     about="A tank of 1 x 1 m in 2-D, full of water at rest, for 5 s. Pressure is rho g (H - z), the walls carry the weight.",
     source="hydrostatics",
     resolutions=(("coarse", 0.1), ("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125), ("10min", 0.00625)),
+    methods=("wcsph", "implicit", "wide"),
     measures=(
         Measure("pressure, L2 over rho g H", "%", lambda r: r.mean("pressure_error", 1), (0.01, 0.005, 0.003)),
         Measure("level, mean from 1 s", "dx", lambda r: abs(r.mean("level", 1) - 1) / r.h, (0.3, 0.2, 0.1)),
@@ -269,6 +270,7 @@ STANDING_WAVE = Case(
         "height from trough to crest is lost by then.",
     source="omega^2 = g k tanh(k H), period longer by (k A)^2 / 8",
     resolutions=(("coarse", 0.08), ("coarse", 0.04), ("10s", 0.02), ("1min", 0.0125), ("10min", 0.01)),
+    methods=("wcsph", "implicit", "wide"),
     measures=(
         Measure("period", "%", lambda r: relative(period(*wave(r), count=8), WAVE), (0.02, 0.01, 0.005)),
         Measure("height lost", "%", amplitude_lost, (0.2, 0.1, 0.05)),
