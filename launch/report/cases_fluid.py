@@ -195,11 +195,13 @@ def channel_error(run: Outcome) -> float:
     return rms(np.concatenate(off)) / (PLATE_SPEED if run["couette"] else 1 / 8)
 
 
-COARSE_CHANNEL = 0.0625  # m, spacing with which orders begin
+COARSE_CHANNEL = 0.0625  # m, spacing from which on orders are looked at
 
 
 def order_lacking(run: Outcome) -> float:
     """By how much the observed order since the coarse spacing is below 1.5."""
+    if run.h >= COARSE_CHANNEL:
+        raise NoFigure("orders begin here")
     coarse = run.coarser(COARSE_CHANNEL)
     order = observed_order(coarse.h, channel_error(coarse), run.h, channel_error(run))
     if order is None:
