@@ -2,7 +2,6 @@
 
 LEFT_OUT = {
     "all cases": "wall times as medians of three runs: of one, or of as many as --repeats says",
-    "F2": "the mean over all particles: velocities at 16 points",
     "B3": "40 spacings per radius at 1e-5 m^2/s but at level 10min",
     "B4": "the sphere's window to 0.03 radii where it is longer than 40 ms (ratios 0.9 to 2)",
     "B4w": "the sphere; ratios 0.9 and 1.1 until 50 ms, before they have moved by 0.03 radii",

@@ -10,6 +10,7 @@ import cases_contact
 import cases_coupled
 import cases_drop
 import cases_experiment
+import cases_fluid
 import cases_loads
 import cases_spin
 import cases_waves
@@ -33,6 +34,24 @@ class Measures(unittest.TestCase):
         columns = {f"p{z}": 12500 * np.where(np.floor(z / 500 / t) == 13, 8.0, 5.0) for z in cases_waves.FACE}
         columns["p100"][150] *= 3
         self.assertAlmostEqual(cases_waves.face_pressure(Made(t, columns)), 8.0, delta=0.3)
+
+    def test_error_of_velocity_is_a_mean_over_all_particles_nearest_to_one_second(self):
+        with tempfile.TemporaryDirectory() as folder:
+            rows = ((0.9, 5.0), (1.01, 0.1), (1.2, 7.0))  # of time, and what is too much in vx
+            sets = [f'<DataSet timestep="{t}" part="0" file="p{k}.vtp"/>' for k, (t, _) in enumerate(rows)]
+            Path(folder, "p.pvd").write_text("\n".join(sets))
+            for k, (t, more) in enumerate(rows):
+                x = np.array([[0.0, 0, 0.25], [0.25, 0, 0]])
+                fade = np.exp(-0.08 * np.pi**2 * t)
+                v = np.array([[-fade + more, 0, 0], [0, 0, fade]])
+                arrays = [b"".join((np.uint64(24).tobytes(), a.astype("<f4").tobytes())) for a in (v, x)]
+                head = f'<DataArray Name="velocity" offset="0"/><DataArray Name="Points" offset="{len(arrays[0])}"/>'
+                raw = b'<AppendedData encoding="raw">\n_' + b"".join(arrays)
+                Path(folder, f"p{k}.vtp").write_bytes(head.encode() + raw)
+            run = Made(np.array([0.0]), {})
+            run.folder = Path(folder)
+            exact = 0.1 / 4 / np.exp(-0.08 * np.pi**2 * 1.01)
+            self.assertAlmostEqual(cases_fluid.vortex_error(run), exact, places=6)
 
     def test_water_beside_the_round_foot_of_the_gate_has_no_moment(self):
         lines = (TREE / "scenes/report/gate.obj").read_text().splitlines()
