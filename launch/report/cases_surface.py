@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from case import Case, Chart, Measure, Outcome
-from metrics import NoFigure, extrema, nrmse, period, relative, slope
+from metrics import NoFigure, extrema, nrmse, period, relative, settles_to, slope
 from references import drop_axes, square_patch_pressure
 
 Array = np.ndarray
@@ -131,23 +131,21 @@ def difference(run: Outcome) -> tuple[Array, Array]:
 
 
 def swings(run: Outcome) -> Array:
-    """The first three extremes after the difference has passed zero, m."""
+    """The extremes after the difference has passed zero, m."""
     tops = extrema(*difference(run))[1]
-    if tops.size < 3:
+    if tops.size < 7:
         raise NoFigure(f"the levels have only {tops.size} extremes")
-    return tops[:3]
+    return tops
 
 
 def levels_differ(run: Outcome) -> float:
-    """Difference that the swing settles to, in spacings: c of extremes c + a (-q)^n, which losses do not shift as they do a mean."""
-    first, second, third = swings(run)
-    return abs(float((first * third - second**2) / (first + third - 2 * second))) / run.h
+    """Difference that the swing settles to, in spacings."""
+    return abs(settles_to(swings(run))[0]) / run.h
 
 
 def height_lost(run: Outcome) -> float:
-    """From one swing to the next but one, over a period."""
-    first, second, third = swings(run)
-    return 1 - abs(float((third - second) / (second - first))) ** 2
+    """Over a period."""
+    return 1 - settles_to(swings(run))[1] ** 2
 
 
 VESSELS = Case(

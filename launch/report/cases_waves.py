@@ -39,11 +39,11 @@ def piston(mass: float, speed: float = 0) -> Variant:
 
 PISTON = Case(
     id="B7",
-    order_why="of first order, 0.6 % a centimetre, plus 0.1 to 0.2 % that stay (sums over neighbours are 0.5 % off a gradient at any spacing, F1)",
+    order_why="",
     title="Piston on a compressible column",
     scene="report/piston",
     about="A piston on a column of 1 m, sound speed 10 m/s, closed at the other end, let go under a pressure of a thousandth of rho c^2, at "
-    "ratios of piston to fluid mass of 0.01 to 100, from rest and (0.01 to 1) with a thousandth of c in addition; heavier ones would then pull. First frequency over two periods. The implicit solver has no sound and is left out.",
+    "ratios of piston to fluid mass of 0.01 to 100, from rest and (0.01, 0.1) with a thousandth of c in addition. First frequency over two periods. The implicit solver has no sound and is left out.",
     source="linear acoustics: q tan q = fluid mass / piston mass",
     resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005)),
     measures=(
@@ -56,7 +56,7 @@ PISTON = Case(
         Measure("swing lost in a period", "%", piston_decay),
     ),
     methods=("wcsph", "staggered"),
-    variants=(*(piston(m) for m in MASSES), *(piston(m, 0.01) for m in (0.01, 0.1, 1))),
+    variants=(*(piston(m) for m in MASSES), *(piston(m, 0.01) for m in (0.01, 0.1))),
     shown=tuple(range(len(MASSES))),
     chart=Chart(
         "mass of the piston / of the fluid",

@@ -82,6 +82,18 @@ def extrema(t: Array, y: Array) -> tuple[Array, Array]:
     return np.array(times), np.array(values)
 
 
+def settles_to(tops: Array) -> tuple[float, float]:
+    """c and q of extremes c + a (-q)^n, by least squares: where a swing that loses 1 - q of its height each half period
+    comes to rest. Losses do not shift it as they do a mean."""
+    n = np.arange(tops.size)
+    best = (np.inf, 0.0, 0.0)
+    for q in np.linspace(0.5, 1, 1001):
+        system = np.stack([np.ones(n.size), (-q) ** n], axis=1)
+        fit, *_ = np.linalg.lstsq(system, tops, rcond=None)
+        best = min(best, (float(np.sum(np.square(system @ fit - tops))), float(fit[0]), float(q)))
+    return best[1:]
+
+
 def decay_rate(t: Array, y: Array, first: int = 0, count: int | None = None) -> float:
     """s of y ~ exp(-s t) cos(...), from the logarithms of `count` extrema from `first` on, or all; 1/s."""
     times, values = (e[first:][:count] for e in extrema(t, y))

@@ -84,6 +84,14 @@ class ErrorAgainstTime(unittest.TestCase):
     def test_time_to_reach_is_the_geometric_middle_for_the_geometric_middle_of_errors(self):
         self.assertAlmostEqual(metrics.time_to_reach(0.1, [(1, 1.0), (100, 0.01)]), 10, places=9)
 
+    def test_a_fading_swing_settles_to_its_middle_whatever_it_loses(self):
+        n = np.arange(8)
+        c, q = metrics.settles_to(0.003 + 0.2 * (-0.93) ** n)
+        self.assertAlmostEqual(c, 0.003, places=9)
+        self.assertAlmostEqual(q, 0.93, places=9)
+        # an error of 1 mm in one extreme of eight moves it by less than half of that
+        self.assertLess(abs(metrics.settles_to(0.003 + 0.2 * (-0.93) ** n + 1e-3 * (n == 3))[0] - 0.003), 0.5e-3)
+
     def test_time_to_reach_where_the_cheapest_run_is_good_enough(self):
         self.assertEqual(metrics.time_to_reach(0.1, [(3, 0.05), (30, 0.01)]), 3)
 
