@@ -18,7 +18,7 @@ def drift(column: str, start: float) -> Callable[[Outcome], float]:
 
 FLOATING_BOX = Case(
     id="B1",
-    order_why="the box floats 0 to 0.5 (explicit) and 0.5 to 0.8 mm (implicit) too deep at every spacing, 0.3 % of its draft at most, with particles in disorder; with a kernel of 4 spacings (`wide`), where they stay a lattice, "
+    order_why="the box floats 0 to 0.5 (explicit) and 0.5 to 0.8 mm (implicit) too deep at every spacing, 0.3 % of its draft at most, with particles in disorder; with a kernel of 4 spacings (wide), where they stay a lattice, "
     "the order is 1.9 to 2 and nothing drifts",
     title="Floating box: draft, drift, noise",
     scene="floating_box",
@@ -308,7 +308,7 @@ HELD = Case(
     scene="report/held_disc",
     about="The same disc, held at four places of the lattice; the force of the water on it says at which density it would stay where it is.",
     source="Archimedes",
-    order_why="0.4 % are of the sum over neighbours, at any spacing (F1); implicit at 1.25 cm 0.3 to 0.6 %",
+    order_why="at 2.5 cm beside the middle (right) as at 5 cm, 1.1 %, of which the packing around the disc decides; then above 2 (explicit). Implicit: 0.3 to 0.7 % at 1.25 cm",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(Measure("effective density", "%", lambda r: abs(effective_density(r) - 1), (0.02, 0.01, 0.005)),),
     variants=tuple(
