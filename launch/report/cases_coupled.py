@@ -112,7 +112,7 @@ def release(
     longest: float,
     methods: tuple,
     why: str = "",
-    order_why: str = "explicit: what is left, mostly below 1 %, is of the packing of the particles around the body at the start, another one at every spacing; implicit: 2 to 4.5 %, falling slowly with the spacing in 3-D, where light bodies have most of it, not in 2-D",
+    order_why: str = "what is left, 0.1 to 2.7 %, is of the packing of the particles around the body at the start, another one at every spacing; implicit: up to 3.4 % in 3-D, where light bodies have most of it",
     wider: int = 2,
     sound: float = 80,
     sweep: tuple = RATIOS,
@@ -184,7 +184,7 @@ RELEASE_WIDE = release(
     0.05,
     ("wcsph", "implicit"),
     order_why="explicit, light bodies: two errors of opposite sign, at a hundredth of the density: without artificial viscosity they start 3.8 % too fast at 5 mm, 1.4 % at 1 cm with sound at 200 m/s; "
-    "with it the acceleration falls by 4 % from the first to the last third of the window",
+    "with it the acceleration falls by 4 % from the first to the last third of the window. Implicit: 0.3 to 5 %, of the packing around the body",
     wider=5,
     sound=200,
     overrides={
@@ -278,7 +278,7 @@ TURNING = Case(
     "radius of its way, rate at which its centre goes round, rate at which it turns itself at the end.",
     source="rigid rotation",
     why="suction tears the water: a full tank without gravity starts under no pressure, and turning puts its middle under suction. Beside the disc, towards the middle, a void opens within a second "
-    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. At 2.5 cm (explicit): 2.9 %; without particle shifting 4.7 %, no "
+    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. At 2.5 cm (explicit): 2.8 %; without particle shifting 4.7 %, no "
     "artificial viscosity 6.9 %, a viscosity of 1 and 10 Pa s 12 and 5.8 %, sound twice as fast 3.8 %, a third of the diffusion 1.9 %, started 1 cm aside 19 %",
     order_why="where and when the void opens is chance, as above",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),

@@ -280,7 +280,7 @@ def amplitude_lost(run: Outcome) -> float:
 STANDING_WAVE = Case(
     id="F4",
     title="Standing wave",
-    order_why="the period is right within 0.25 to 1.4 % at every spacing, up and down; what sets that was not found",
+    order_why="the period is right within 0.03 to 2.6 % at every spacing, up and down (0.4 to 0.6 % at 2 and 1.25 cm); what sets that was not found",
     why="with a kernel of 2.9 spacings disorder of the particles takes a quarter and a fifth of the height (explicit, 2 and 1.25 cm; implicit 30 and 20 %), with one of 4 spacings (wide) 11 and 9 %. "
     "Of the amplitude over four periods, at 2 cm, a third of the diffusion leaves 14.9 instead of 15.1 %, a sound speed of 20 instead of 31 m/s 11.9 %, particle shifting 12.8 %",
     scene="report/standing_wave",

@@ -74,7 +74,7 @@ OBSTACLE_HIT = Case(
             (0.5, 0.3, 0.2),
         ),
         Measure("P1, NRMSE", "%", pressure_error(1), (0.25, 0.18, 0.12)),
-        Measure("P3, NRMSE", "%", pressure_error(3)),
+        Measure("P3, NRMSE", "%", pressure_error(3), (0.25, 0.18, 0.12)),
         LOST,
     ),
     chart=Chart(

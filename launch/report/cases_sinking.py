@@ -21,8 +21,8 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
-    why="implicit: 6 to 9 % too slow, most at Reynolds number 1.5. A full closed box takes on a uniform pressure with the packing of its particles, which acts on uneven ones "
-    "like friction: the sphere slows down as it grows (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm, 0.032 to 0.028 m/s); the explicit solver is 2 % too slow with sound at 2 m/s, 4 % at 4 m/s as here",
+    why="implicit: 7 to 10 % too slow, most at the lower Reynolds numbers. A full closed box takes on a uniform pressure with the packing of its particles, which acts on uneven ones "
+    "like friction: the sphere slows down as it grows (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm, 0.032 to 0.028 m/s); the explicit solver is 2 % off with sound at 2 m/s, up to 5 % at 4 m/s as here",
     order_why="what is left is that pressure, which does not fall with the spacing",
     title="Settling sphere",
     scene="report/settling_sphere",

@@ -54,8 +54,8 @@ def spring(ratio: float, nu: float = 1e-4) -> Variant:
 
 SPRING = Case(
     id="B3",
-    why="the swing, 4 mm, is 0.6 to 1 spacings there, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (0.857, 0.711 of the start for 0.871, 0.759), the last lose a quarter each; a tenth of the diffusion leaves 30 of 50 %; with ten times the viscosity the decay is right within 3 %, with a tenth it is 1.7 times too fast at 2.5 mm by either solver, the frequency within 0.4 %. Implicit without particle shifting: light cylinders shook (300 %)",
-    order_why="the frequency's is above 1; the decay's error grows with refinement, for the reason above",
+    why="the swing, 4 mm, is 0.6 to 1 spacings there, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (0.857, 0.711 of the start for 0.871, 0.759), the last lose a quarter each; a tenth of the diffusion leaves 30 of 50 %; with ten times the viscosity the decay is right within 4 % (ratios 1 to 8), with a tenth it is 1.7 times too fast at 2.5 mm by either solver, 1.9 to 2.6 times at 4 mm (implicit), the frequency within 0.4 %. Implicit without particle shifting: light cylinders shook (300 %)",
+    order_why="the frequency's is above 1; the decay's error grows with refinement (explicit, 32 to 56 %), or falls slowly from much more (implicit, 112 to 60 % at half the density), for the reason above",
     title="Cylinder on a spring in an annulus",
     scene="report/spring_annulus",
     about="A cylinder of 0.2 m on a spring in a concentric container twice as wide, viscosity 1e-4 m^2/s (judged), 1e-3, and 1e-5, which asks for 40 spacings per radius (level 10min): added mass and viscous "
@@ -154,7 +154,7 @@ SPIN_DOWN = fading(
     5,
     "body",
     (0.04, 0.02, 0.01),
-    "implicit, heavy cylinder, 2 to 1 cm: 3.6 and 2.6 %, then 0.9 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring",
+    "implicit, heavy cylinder, 2 to 1 cm: 4.0 and 2.8 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring",
     "angular momentum: two particles push each other along the difference of their velocities (viscosity), not along the line that joins them, and shifting beside walls keeps no angular momentum. "
     "At 1 cm without shifting 1e-3 of it is lost at the density of the fluid (explicit), without viscosity either 7e-7 (explicit) and 2e-8 (implicit) in a fluid that turns",
     (Measure("angular momentum lost in 5 s", "", turning_lost, (1e-6,)),),
