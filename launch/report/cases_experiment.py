@@ -228,6 +228,7 @@ IMPACT = Case(
 
 FREE_BOX = Case(
     id="X3f",
+    order_why="its figure is a way, not an error: there is no reference",
     title="Dam break on a box that is free",
     scene="report/obstacle_free",
     about="The dam break on an obstacle, with a box that may slide: 2000 kg/m^3, friction 0.3, the whole tank. How far the wave has pushed it "
