@@ -86,19 +86,14 @@ class Outcome:
     def __getitem__(self, value: str) -> float:
         return self.variant.values[value]
 
-    def beside(self, variant: Variant) -> "Outcome":
-        """The run of another variant by the same method at the same resolution."""
-        folder = self.folder.parents[1].with_name(variant.name) / self.folder.parent.name / self.folder.name
+    def beside(self, variant: Variant | None = None, h: float | None = None) -> "Outcome":
+        """The run by the same method that differs in its variant, its resolution or both."""
+        variant, h = variant or self.variant, h or self.h
+        by_method = self.folder.parent
+        folder = (by_method if variant is self.variant else by_method.parent.with_name(variant.name) / by_method.name) / f"{h:g}"
         if not (folder / "record.json").is_file():
-            raise NoFigure(f"the run {variant.name} beside it is not there")
-        return Outcome(folder, self.h, variant, self.references)
-
-    def coarser(self, h: float) -> "Outcome":
-        """The run of the same variant by the same method at another resolution."""
-        folder = self.folder.with_name(f"{h:g}")
-        if not (folder / "record.json").is_file():
-            raise NoFigure(f"the run at {h:g} beside it is not there")
-        return Outcome(folder, h, self.variant, self.references)
+            raise NoFigure(f"the run {variant.name} at {h:g} beside it is not there")
+        return Outcome(folder, h, variant, self.references)
 
     def series(self, column: str, start: float = 0, stop: float = np.inf) -> tuple[Array, Array]:
         """Times and values of a column within a window of time."""

@@ -216,7 +216,7 @@ def order_lacking(run: Outcome) -> float:
     """By how much the observed order since the coarse spacing is below 1.5."""
     if run.h >= COARSE_CHANNEL:
         raise NoFigure("orders begin here")
-    coarse = run.coarser(COARSE_CHANNEL)
+    coarse = run.beside(h=COARSE_CHANNEL)
     order = observed_order(coarse.h, channel_error(coarse), run.h, channel_error(run))
     if order is None:
         raise NoFigure("an error is zero")
