@@ -1,5 +1,6 @@
 """From a finished run to a row of figures: errors against targets, balances, where the time went."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -123,8 +124,9 @@ def absolute_error(row: dict) -> float | None:
 
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases of fluid (F, B, X) meet all their targets with at least one solver, and how
-    many pairs of case and solver do. The staggered scheme does not count: it is there to show where it fails. Nor
-    does a figure whose reference is not installed."""
+    many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
+    The staggered scheme does not count: it is there to show where it fails. Nor does a figure whose reference is not
+    installed."""
     lines = []
     for level in LEVELS[1:]:
         pairs = {}
@@ -135,12 +137,18 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
                 if verdicts:
                     pairs[case.id, method] = all(v == "met" for v in verdicts)
         by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
+        numbers: dict[str, bool] = {}
+        for name, met in by_case.items():
+            number = re.match(r"[A-Z]\d*", name)[0]
+            numbers[number] = numbers.get(number, True) and met
         if pairs:
             lines.append(
                 {
                     "level": level,
                     "cases_met": sum(by_case.values()),
                     "cases": len(by_case),
+                    "numbers_met": sum(numbers.values()),
+                    "numbers": len(numbers),
                     "missed": [c for c, met in by_case.items() if not met],
                     "pairs_met": sum(pairs.values()),
                     "pairs": len(pairs),

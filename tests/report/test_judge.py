@@ -52,6 +52,12 @@ class MetByLevel(unittest.TestCase):
         self.assertEqual((ten["cases_met"], ten["cases"]), (1, 1))
 
 
+    def test_the_parts_of_a_case_count_as_one_that_is_met_if_all_are(self):
+        rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("F5", "wcsph", "met"), row("F5f", "wcsph", "met")]
+        [ten] = judge.met_by_level([case(r["case"]) for r in rows], rows)
+        self.assertEqual((ten["cases_met"], ten["cases"], ten["numbers_met"], ten["numbers"]), (3, 4, 1, 2))
+
+
 class Order(unittest.TestCase):
     def test_an_error_that_stays_the_same_in_spacings_is_of_first_order(self):
         for unit, order in (("dx", 1), ("", 0)):
