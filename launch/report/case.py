@@ -58,11 +58,13 @@ METHODS = {
 
 @dataclass(frozen=True)
 class Variant:
-    """One value of what a case sweeps, such as a density ratio: overrides, and the numbers that measures need."""
+    """One value of what a case sweeps, such as a density ratio: overrides, and the numbers that measures need. `without`:
+    resolutions of the case at which it is not run, as it has no target there."""
 
     name: str = ""
     overrides: dict[str, str] = field(default_factory=dict)
     values: dict[str, float] = field(default_factory=dict)
+    without: tuple[float, ...] = ()
 
 
 class Outcome:
@@ -226,4 +228,5 @@ def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
         for method in case.methods
         if methods is None or method in methods
         for variant in case.variants
+        if h not in variant.without
     ]

@@ -197,7 +197,7 @@ RELEASE_3D = release(
     "added_mass_3d",
     "B4s",
     "Release from rest in 3-D: added mass",
-    (("coarse", 0.025), ("coarse", 0.02), ("10s", 0.0125), ("1min", 0.01), ("10min", 0.005)),
+    (("coarse", 0.025), ("10s", 0.0125), ("1min", 0.01), ("10min", 0.005)),
     0.04,
     ("wcsph", "implicit"),
 )

@@ -41,7 +41,12 @@ def still(column: str, start: float):
 def rubbing(cubes: tuple[str, ...]) -> tuple[Variant, ...]:
     """Friction of the cubes and the flume. The one that is judged comes first."""
     return tuple(
-        Variant(f"mu{mu:g}", {f"models.{m}.friction": f"{mu:g}" for m in (*cubes, "flume")}, {"friction": mu})
+        Variant(
+            f"mu{mu:g}",
+            {f"models.{m}.friction": f"{mu:g}" for m in (*cubes, "flume")},
+            {"friction": mu},
+            without=() if mu == 0.3 else (0.0375,),
+        )
         for mu in (0.3, 0.15, 0.45)
     )
 

@@ -1,9 +1,10 @@
 """Verdicts put together, on rows whose outcome is known."""
 
 import unittest
+from dataclasses import replace
 
 import judge
-from case import Case, Measure
+from case import Case, Measure, Variant, jobs_of
 
 
 def case(name: str, methods: tuple[str, ...] = ("wcsph", "implicit"), unit: str = "") -> Case:
@@ -22,6 +23,18 @@ def row(name: str, method: str, verdict: str, level: str = "10s", h: float = 1, 
         "wall_s": 1.0,
         "measures": [{"name": "e", "unit": unit, "value": value, "target": target, "verdict": verdict}],
     }
+
+
+class Jobs(unittest.TestCase):
+    def test_a_variant_is_not_run_where_it_goes_without(self):
+        swept = replace(
+            case("X1", ("wcsph",)),
+            resolutions=(("10s", 2.0), ("1min", 1.0)),
+            variants=(Variant("judged"), Variant("shown", without=(2.0,))),
+        )
+        self.assertEqual(
+            [job.id for job in jobs_of(swept, "1min", None)], ["X1/judged/wcsph/2", "X1/judged/wcsph/1", "X1/shown/wcsph/1"]
+        )
 
 
 class MetByLevel(unittest.TestCase):
