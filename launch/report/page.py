@@ -170,7 +170,8 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
 def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
     chart, missing = reference_chart(case, rows, references)
     folders = [place.out / "runs" / r["id"] for r in rows]
-    judged = [i for i, m in enumerate(case.measures) if i == 0 or any(m.targets_of(v) for v in case.variants)]
+    # Where the target is none at all, yes or no, there is nothing to draw on a logarithm's axis.
+    judged = [i for i, m in enumerate(case.measures) if i == 0 or any(t > 0 for v in case.variants for t in m.targets_of(v))]
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
         "case": case,

@@ -3,6 +3,7 @@
 import re
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import page
@@ -104,6 +105,17 @@ class Front(unittest.TestCase):
         (point,) = page.settings([row(of, LIGHT, 0.2, wall=5.0), row(of, HEAVY, 0.9, wall=1.0)], 0)
         self.assertEqual((point.wall_s, point.error, point.id), (5.0, 0.9, "A/heavy/wcsph/1"))
         self.assertEqual(page.settings([row(of, LIGHT, 0.2), row(of, HEAVY, None)], 0), [], "one failed")
+
+
+class Charts(unittest.TestCase):
+    def test_a_figure_that_must_be_zero_has_no_chart_and_no_time_to_reach_it(self):
+        for target, charts in ((0.1, 2), (0.0, 1)):
+            of = replace(case("A"), measures=(*case("A").measures, Measure("hit", "", lambda run: 0.0, (target,))))
+            one = row(of, HEAVY, 0.1)
+            one["measures"] = [one["measures"][0], one["measures"][0] | {"name": "hit", "target": target, "scale": target}]
+            text = written([of], [one])
+            self.assertEqual(text.count('alt="error against wall time"'), charts)
+            self.assertEqual("wall time needed for hit" in text, target > 0)
 
 
 class Words(unittest.TestCase):

@@ -113,9 +113,14 @@ class Report(unittest.TestCase):
         self.assertEqual(diverges.returncode, 3, diverges.stderr)
 
     def test_one_that_is_stopped_writes_what_is_finished(self):
+        for stop, out in ((signal.SIGINT, "a"), (signal.SIGTERM, "b")):
+            with self.subTest(stop.name):
+                self.stopped(stop, out)
+
+    def stopped(self, stop: signal.Signals, out: str) -> None:
         long = "F1/wcsph/0.00625"
         process = subprocess.Popen(
-            [sys.executable, "-B", TREE / "launch/report", CHEAP_FLUID, long, "--out", "a"]
+            [sys.executable, "-B", TREE / "launch/report", CHEAP_FLUID, long, "--out", out]
             + ["--build", os.environ["BALLAST_BUILD"]],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
@@ -123,22 +128,22 @@ class Report(unittest.TestCase):
             cwd=self.out,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # whoever started the tests may ignore it
         )
-        begun = self.out / "a/runs" / long / "log.txt"
+        begun = self.out / out / "runs" / long / "log.txt"
         for _ in range(600):
             if begun.is_file():
                 break
             time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(stop)
         said = process.communicate(timeout=60)[1]
         self.assertEqual(process.returncode, 5, said)
         self.assertIn("stopped after 1 of 2 runs", said)
-        self.assertEqual(list(self.rows("a")), [CHEAP_FLUID])
-        results = json.loads((self.out / "a/results_part.json").read_text())
+        self.assertEqual(list(self.rows(out)), [CHEAP_FLUID])
+        results = json.loads((self.out / out / "results_part.json").read_text())
         self.assertEqual(results["stopped"], "stopped after 1 of 2 runs")
-        with (self.out / "a/results_part.csv").open() as file:
+        with (self.out / out / "results_part.csv").open() as file:
             self.assertEqual({row["run"] for row in csv.DictReader(file)}, {CHEAP_FLUID})
-        self.assertEqual([p.name for p in (self.out / "a").glob("*") if p.suffix in (".part", ".html")], [])
-        self.assertFalse((self.out / "a/runs" / long / "run.json").exists(), "a run that was stopped is made again")
+        self.assertEqual([p.name for p in (self.out / out).glob("*") if p.suffix in (".part", ".html")], [])
+        self.assertFalse((self.out / out / "runs" / long / "run.json").exists(), "a run that was stopped is made again")
 
     def test_only_one_report_is_at_work(self):
         with open(Path(tempfile.gettempdir()) / f"ballast_report.{os.getuid()}.lock", "w") as lock:
