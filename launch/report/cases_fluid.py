@@ -1,7 +1,7 @@
 """Cases of fluid alone."""
 
-import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -128,17 +128,17 @@ RATE = 8 * np.pi**2 * 0.01  # 1/s, of the decay of speed
 
 def particles_at(folder: Path, time: float) -> tuple[float, np.ndarray, np.ndarray]:
     """Time, places and velocities of all particles in the ParaView file nearest to a time."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy  # half a second to load, for this case alone
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
     index = next(folder.rglob("*.pvd"))
-    found = re.findall(r'timestep="([^"]+)" part="0" file="([^"]+)"', index.read_text())
-    t, name = min(((float(t), f) for t, f in found), key=lambda row: abs(row[0] - time))
-    data = (index.parent / name).read_bytes()
-    raw = data.index(b"<AppendedData encoding=\"raw\">\n_") + len(b"<AppendedData encoding=\"raw\">\n_")
-    arrays = []
-    for array in (b"Points", b"velocity"):
-        where = raw + int(re.search(rb'Name="' + array + rb'"[^>]*offset="(\d+)"', data[:raw])[1])
-        size = int(np.frombuffer(data, "<u8", 1, where)[0])
-        arrays.append(np.frombuffer(data, "<f4", size // 4, where + 8).reshape(-1, 3).astype(float))
-    return t, *arrays
+    files = [(float(of.get("timestep")), of.get("file")) for of in ElementTree.parse(index).iter("DataSet")]
+    t, name = min(files, key=lambda one: abs(one[0] - time))
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(index.parent / name))
+    reader.Update()
+    points, velocities = reader.GetOutput().GetPoints().GetData(), reader.GetOutput().GetPointData().GetArray("velocity")
+    return t, *(vtk_to_numpy(values).astype(float) for values in (points, velocities))
 
 
 def vortex_error(run: Outcome) -> float:
