@@ -27,7 +27,7 @@ FLOATING_BOX = Case(
     resolutions=(("coarse", 0.1), ("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(
         Measure("mean draft over the last half", "dx", lambda r: abs(r.mean("box.z", 5) - 1) / r.h, (0.2, 0.1, 0.1)),
-        Measure("sideways drift / width", "%", lambda r: drift("box.x", 1)(r), (0.02, 0.01, 0.005)),
+        Measure("sideways drift / width", "%", drift("box.x", 1), (0.02, 0.01, 0.005)),
         Measure("rms heave", "dx", lambda r: float(np.std(r.values("box.z", 5))) / r.h, (0.05, 0.02, 0.01)),
         Measure("largest tilt", "deg", lambda r: float(np.degrees(2 * np.max(np.abs(r.values("box.qy"))))), (1,)),
     ),
@@ -112,7 +112,7 @@ def release(
     longest: float,
     methods: tuple,
     why: str = "",
-    order_why: str = "what is left, 0.1 to 2.7 %, is of the packing of the particles around the body at the start, another one at every spacing; implicit: up to 3.4 % in 3-D, where light bodies have most of it",
+    order_why: str = "0.1 to 2.7 % remain, set by how the particles happen to lie around the body at the start, differently at each spacing; implicit: up to 3.4 % in 3-D, where light bodies have most of it",
     wider: int = 2,
     sound: float = 80,
     sweep: tuple = RATIOS,
@@ -215,7 +215,7 @@ NEUTRAL = Case(
     about="A disc of the water's own density, 0.2 m wide, at rest in mid-depth for 10 s. It stays.",
     source="no motion",
     why="where the lattice is cut around the disc one side gets a particle more than the other, which pushes it sideways (0.05 m/s^2 at 2.5 cm; none "
-    "with the same number on both sides), and its effective density is off by some tenths of a percent, as `neutral` shows: it moves 0.2 to 0.6 spacings, sideways at "
+    "with the same number on both sides), and its effective density is off by some tenths of a percent, as B10d shows: it moves 0.2 to 0.6 spacings, sideways at "
     "2.5 cm and above, up and down at finer ones, and the lattice, which has some strength under pressure, mostly holds it then (implicit at 6.25 mm: not yet after 10 s). "
     "Letting the water settle around the held disc first changes nothing",
     order_why="it moves by a share of a spacing, of an amount that chance decides",

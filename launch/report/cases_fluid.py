@@ -28,7 +28,7 @@ HYDROSTATIC = Case(
     title="Still water in a tank",
     why="implicit, at fine spacings: the mean of the pressure at one place is right within 0.4 %, but it differs from place to place, and more the longer the particles have left their lattice: at 1.25 cm 0.49 % after "
     "0.4 s, 1.1 % after 3 s, 1.4 % after 5 s. Shorter steps and a stricter solve do not help (1.5 %), five times the artificial viscosity does (0.7 %)",
-    order_why="explicit: 0.08 % from 2.5 cm on (0.3 % before slopes were made exact on the lattice); what is left was not looked into. Implicit: as above",
+    order_why="explicit: 0.08 % from 2.5 cm on (0.3 % before kernel gradients were normalised to be exact on a square lattice of particles); what is left was not looked into. Implicit: as above",
     scene="hydrostatic",
     about="A tank of 1 x 1 m in 2-D, full of water at rest, for 5 s. Pressure is rho g (H - z), the walls carry the weight.",
     source="hydrostatics",
@@ -227,9 +227,9 @@ FINE = np.linspace(0, 1, 101)
 CHANNEL = Case(
     id="F3",
     title="Start-up of channel flow",
-    why="the order of Poiseuille flow since 1/16 is 1.2 at 1/32 and 0.7 at 1/64, with both solvers: 0.14, 0.058, 0.049 %. Rows of particles slide past each other, by up to half a spacing beside "
-    "the walls, and the sum over a sheared lattice gives up to 0.25 % less viscosity than that over a square one, which slopes are exact for: a floor",
-    order_why="as above. Couette flow, whose end knows no viscosity, converges with an order of 1.9",
+    why="the order of Poiseuille flow since 1/16 is 1.2 at 1/32 and 0.7 at 1/64, with both solvers: 0.14, 0.058, 0.049 %. Kernel sums are normalised on a square lattice; where rows of particles "
+    "have slid past each other (by up to half a spacing beside the walls) they give up to 0.25 % less viscosity, at every spacing",
+    order_why="as above. Couette flow, whose steady profile does not depend on viscosity, has an order of 1.9",
     scene="report/channel",
     about="A viscous fluid between two planes is set in motion by a body force (Poiseuille) or by the upper plane (Couette); speed at five "
     "heights and seven times. The walls are at their true place.",
@@ -282,7 +282,7 @@ STANDING_WAVE = Case(
     title="Standing wave",
     order_why="the period is right within 0.03 to 2.6 % at every spacing, up and down (0.4 to 0.6 % at 2 and 1.25 cm); what sets that was not found",
     why="with a kernel of 2.9 spacings disorder of the particles takes a quarter and a fifth of the height (explicit, 2 and 1.25 cm; implicit 30 and 20 %), with one of 4 spacings (wide) 11 and 9 %. "
-    "Of the amplitude over four periods, at 2 cm, a third of the diffusion leaves 14.9 instead of 15.1 %, a sound speed of 20 instead of 31 m/s 11.9 %, particle shifting 12.8 %",
+    "Amplitude lost over four periods at 2 cm: 15.1 %; with a third of the density diffusion 14.9 %, with sound at 20 instead of 31 m/s 11.9 %, with particle shifting 12.8 %",
     scene="report/standing_wave",
     about="A standing wave of 2 m and an amplitude of 5 cm in a tank of 2 x 1 m without viscosity, five periods; and how much of its "
     "height from trough to crest is lost by then.",

@@ -21,8 +21,8 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
-    why="implicit: 7 to 10 % too slow, most at the lower Reynolds numbers. A full closed box takes on a uniform pressure with the packing of its particles, which acts on uneven ones "
-    "like friction: the sphere slows down as it grows (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm, 0.032 to 0.028 m/s); the explicit solver is 2 % off with sound at 2 m/s, up to 5 % at 4 m/s as here",
+    why="implicit: 7 to 10 % too slow, most at the lower Reynolds numbers. In a full closed box disorder of the particles raises a uniform pressure (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm), which acts "
+    "like friction on unevenly packed ones: the sphere slows from 0.032 to 0.028 m/s; the explicit solver is 2 % off with sound at 2 m/s, up to 5 % at 4 m/s as here",
     order_why="what is left is that pressure, which does not fall with the spacing",
     title="Settling sphere",
     scene="report/settling_sphere",
@@ -74,7 +74,7 @@ def both_ways(run: Outcome) -> float:
 WEIGHING = Case(
     id="X6g",
     why="with full gravity pressure is 1500 Pa at the floor and 0.5 % off a gradient at any spacing (F1), and noisier (implicit): 7 Pa and more, where 24 Pa of excess weight drive the sphere. "
-    "Nor are particles shifted where they weigh; forced to be, the explicit run is 18 % slower than with reduced gravity instead of 38 %. The implicit sphere is fastest in its first 0.06 s (0.14 to 0.17 m/s), and slower than 0.09 m/s later",
+    "Particle shifting is off where gravity acts; switched on, the explicit sphere is 18 instead of 38 % slower than with reduced gravity. The implicit sphere is fastest in its first 0.06 s (0.14 to 0.17 m/s), and slower than 0.09 m/s later",
     title="Settling sphere, gravity both ways",
     scene="report/settling_sphere",
     about="The fastest of these spheres for 0.6 s with reduced gravity, as above, and with that of the fluid in full; their largest speeds should "

@@ -59,7 +59,7 @@ def not_numbers(run: Outcome) -> int:
 FAST = spinning(
     "R15",
     "A box with edges as 1 to 2 to 3 and a sphere at 10,000 rad/s, the box about an axis between its principal ones, for 1 s: a hundredth of a radian a step. "
-    "The plan names no number for the orientation.",
+    "The orientation has no target.",
     (("coarse", 1e-5), ("10s", 1e-6)),
     (
         Measure("energy drift", "", fast_drift, (1e-6,)),
@@ -74,12 +74,12 @@ FAST_IN_LONG_STEPS = spinning(
     "The same with steps of 1 ms, ten radians each: every number stays a number.",
     (("10s", 1e-3),),
     (
-        Measure("numbers that are none", "", not_numbers, (0,)),
+        Measure("values that are NaN or infinite", "", not_numbers, (0,)),
         Measure("energy drift", "", fast_drift),
         Measure("orientation of the sphere", "rad", sphere_turned),
     ),
     title="Fast spin in long steps",
-    source="there are none",
+    source="none: values must stay finite",
 )
 
 CASES = (FAST, FAST_IN_LONG_STEPS)

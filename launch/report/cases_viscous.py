@@ -64,7 +64,7 @@ def spring(ratio: float, nu: float = 1e-4) -> Variant:
 
 SPRING = Case(
     id="B3",
-    why="at 1 cm the frequency of light cylinders is 3.5 to 5.5 % off, of second order (1.2 % at 5 mm). The decay: the swing, 4 mm, is 0.4 to 0.8 spacings, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (0.857, 0.711 of the start for 0.871, 0.759), the last lose a quarter each; a tenth of the diffusion leaves 30 of 50 %; with ten times the viscosity (B3n) the decay is right within 4 % (ratios 1 to 8), with a tenth it is 1.7 times too fast at 2.5 mm by either solver, 1.9 to 2.6 times at 4 mm (implicit), the frequency within 0.4 %. Implicit without particle shifting: light cylinders shook (300 %)",
+    why="at 1 cm the frequency of light cylinders is 3.5 to 5.5 % off, of second order (1.2 % at 5 mm). The decay: the swing, 4 mm, is 0.4 to 0.8 spacings, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (they reach 0.857 and 0.711 of the start, exact 0.871 and 0.759), the last lose a quarter each; a tenth of the density diffusion lowers the error from 50 to 30 %; with ten times the viscosity (B3n) the decay is right within 4 % (ratios 1 to 8), with a tenth it is 1.7 times too fast at 2.5 mm by either solver, 1.9 to 2.6 times at 4 mm (implicit), the frequency within 0.4 %. Implicit without particle shifting: light cylinders shook (300 %)",
     order_why="the frequency's is above 1; the decay's error is of disorder, as above, not of the spacing: 1 to 20 % at 1 cm and 41 to 45 % at 5 mm (explicit), 68 to 126 and 54 to 101 % (implicit)",
     title="Cylinder on a spring in an annulus",
     scene="report/spring_annulus",
@@ -87,8 +87,8 @@ SPRING_VISCOSITIES = replace(
     why="",
     order_why="the frequency's is above 1; the decay's at 1e-5 m^2/s as in B3, of disorder",
     title="Cylinder on a spring in an annulus: other viscosities",
-    about="The same with ten times and a tenth of the viscosity, without a target. At 1e-3 m^2/s light cylinders do not swing for four periods. 1e-5 m^2/s asks for 40 spacings per radius "
-    "(level 10min); at 10 the explicit run of the two lightest is stopped after 4.7 s, when the fluid has gained 13 and 15 % of its energy (numerics.energy_bound).",
+    about="B3 with ten times and a tenth of its viscosity, without a target. At 1e-3 m^2/s light cylinders do not swing for four periods. 1e-5 m^2/s asks for 40 spacings per radius "
+    "(level 10min); at 10 the explicit runs of the two lightest are stopped after 4.7 s, when the fluid has gained 13 and 15 % of its energy (numerics.energy_bound).",
     resolutions=(("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
     measures=(Measure("frequency", "%", frequency_error), Measure("decay rate", "%", damping_error)),
     variants=tuple(spring(r, nu) for nu in (1e-3, 1e-5) for r in RATIOS),
@@ -216,7 +216,7 @@ def settling_speed(run: Outcome) -> tuple[Array, Array]:
 
 SPHERES = Case(
     id="B8",
-    order_why="the kernel reaches 2.9 spacings, as far as the sphere's radius is long (2.2 to 4.5 spacings); with the shorter cubic spline 3.0 and 0.07 % at 16.8 and 11.2 mm. Shorter steps change nothing",
+    order_why="these spacings are too coarse for an order: the kernel's radius, 2.9 spacings, is about the sphere's (2.2 to 4.5); with the shorter cubic spline 3.0 and 0.07 % at 16.8 and 11.2 mm. Shorter steps change nothing",
     title="Periodic array of sinking spheres: drag",
     scene="report/periodic_sphere",
     about="A sphere in a periodic box 2.688 diameters wide, Reynolds number 0.05, after 1.5 s (six times the time that viscosity needs "

@@ -24,7 +24,7 @@ def piston_frequency(run: Outcome) -> float:
 
 
 def piston_decay(run: Outcome) -> float:
-    """Of the swing, in one of two periods; the artificial viscosity is 0.005."""
+    """Share of the amplitude that is lost in a period, from the first four extremes; the artificial viscosity is 0.005."""
     t, z = run.series("piston.z")
     return 1 - math.exp(-decay_rate(t, z - z[0] + 1e-3, count=4) / piston_frequency(run))
 
@@ -331,7 +331,7 @@ def by_density(light: tuple[float, ...], heavy: tuple[float, ...]) -> Callable[[
 ENTERING = Case(
     id="X4",
     why="explicit: the experiment's last point is 0.15 D less deep than the boundary elements, too, which the run follows within 0.025 D; the implicit one is nearer to both",
-    order_why="at the impact the centre is 0.014 D behind at every spacing, as the digitised curve starts there",
+    order_why="the digitised curve starts 0.014 D ahead at the impact, an offset that no spacing removes",
     title="Cylinder that falls into water",
     scene="report/cylinder_entry",
     about="A cylinder of 0.11 m hits water 0.3 m deep at 2.955 m/s, density 500 and 1000 kg/m^3; how deep its centre is against a "

@@ -123,7 +123,7 @@ def absolute_error(row: dict) -> float | None:
 
 
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
-    """Per level: how many validation cases of fluid (F, B, X) meet all their targets with at least one solver, and how
+    """Per level: how many validation cases (F, B, X) meet all their targets with at least one solver, and how
     many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
     The staggered scheme does not count: it is there to show where it fails. Nor does a figure whose reference is not
     installed."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 Array = np.ndarray
+IMPACT_S = 1e-3  # s, over which pressures and forces at impacts are averaged
 
 
 class NoFigure(ValueError):

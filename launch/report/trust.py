@@ -26,7 +26,7 @@ def _size(value: float | None) -> float | None:
 
 
 def true_error(row: dict) -> float | None:
-    """The headline error over the target of the finest level that the case has one for, so that cases compare."""
+    """The headline error over the first target of the case (that of level 10s), so that cases compare."""
     m = row["measures"][0]
     if row["status"] != "finished" or m["value"] is None or not math.isfinite(m["value"]) or not m.get("scale"):
         return None

@@ -5,6 +5,10 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 import cases_contact
 import cases_coupled
@@ -39,15 +43,20 @@ class Measures(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             rows = ((0.9, 5.0), (1.01, 0.1), (1.2, 7.0))  # of time, and what is too much in vx
             sets = [f'<DataSet timestep="{t}" part="0" file="p{k}.vtp"/>' for k, (t, _) in enumerate(rows)]
-            Path(folder, "p.pvd").write_text("\n".join(sets))
+            Path(folder, "p.pvd").write_text(f"<VTKFile type='Collection'><Collection>{''.join(sets)}</Collection></VTKFile>")
             for k, (t, more) in enumerate(rows):
                 x = np.array([[0.0, 0, 0.25], [0.25, 0, 0]])
                 fade = np.exp(-0.08 * np.pi**2 * t)
                 v = np.array([[-fade + more, 0, 0], [0, 0, fade]])
-                arrays = [b"".join((np.uint64(24).tobytes(), a.astype("<f4").tobytes())) for a in (v, x)]
-                head = f'<DataArray Name="velocity" offset="0"/><DataArray Name="Points" offset="{len(arrays[0])}"/>'
-                raw = b'<AppendedData encoding="raw">\n_' + b"".join(arrays)
-                Path(folder, f"p{k}.vtp").write_bytes(head.encode() + raw)
+                data, points, velocity = vtkPolyData(), vtkPoints(), numpy_to_vtk(v.astype("f4"))
+                points.SetData(numpy_to_vtk(x.astype("f4")))
+                velocity.SetName("velocity")
+                data.SetPoints(points)
+                data.GetPointData().AddArray(velocity)
+                writer = vtkXMLPolyDataWriter()
+                writer.SetInputData(data)
+                writer.SetFileName(str(Path(folder, f"p{k}.vtp")))
+                writer.Write()
             run = Made(np.array([0.0]), {})
             run.folder = Path(folder)
             exact = 0.1 / 4 / np.exp(-0.08 * np.pi**2 * 1.01)
