@@ -93,10 +93,6 @@ def wrong_way(run: Outcome) -> float:
     return max(0.0, float(-way)) / run.h
 
 
-def column_pressure(run: Outcome) -> float:
-    return run.mean("pressure_error", 1)
-
-
 def thrown(speed: float) -> Variant:
     return Variant(
         f"{speed:g}ms",
@@ -156,7 +152,7 @@ CASES = (
         (Variant(),),
         scene="hydrostatic",
         resolution=0.02,
-        more=(Measure("pressure, L2", "%", column_pressure, (0.01,)),),
+        more=(Measure("pressure, L2", "%", lambda r: r.mean("pressure_error", 1), (0.01,)),),
         overrides={
             "fluids.water.fill.box": "{ min: [0, -0.5, 0], max: [0.1, 0.5, 3] }",
             "models.tank.shape.open_box.inside": "[0.1, 1, 3.5]",

@@ -64,7 +64,6 @@ class MetByLevel(unittest.TestCase):
         [ten] = judge.met_by_level([case("X4")], [both])
         self.assertEqual((ten["cases_met"], ten["cases"]), (1, 1))
 
-
     def test_the_parts_of_a_case_count_as_one_that_is_met_if_all_are(self):
         rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("F5", "wcsph", "met"), row("F5f", "wcsph", "met")]
         [ten] = judge.met_by_level([case(r["case"]) for r in rows], rows)
