@@ -30,8 +30,8 @@ class Pairs {
     const float rho = density(item), c = constants_.sound_speed;
     const VF pi = hn::Set(d, own.p), vx = hn::Set(d, own.vx), vy = hn::Set(d, own.vy), vz = hn::Set(d, own.vz);
     const VF hx = hn::Set(d, rho * constants_.gravity[0]), hy = hn::Set(d, rho * constants_.gravity[1]);
-    const VF hz = hn::Set(d, rho * constants_.gravity[2]);
-    VF divergence = hn::Zero(d), diffusion = hn::Zero(d), fullness = hn::Zero(d), fluid = hn::Zero(d);
+    const VF hz = hn::Set(d, rho * constants_.gravity[2]), zero = hn::Zero(d);
+    VF divergence = zero, of_fluid = zero, diffusion = zero, fullness = zero, fluid = zero;
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       VF approach = hn::MulAdd(hn::Sub(vx, motion.a), r.x, hn::Mul(hn::Sub(vz, motion.c), r.z));
@@ -42,15 +42,20 @@ class Pairs {
       }
       divergence = hn::MulAdd(vg, approach, divergence);
       fullness = hn::NegMulAdd(vg, r.r2, fullness);
-      const VF fluid_g = hn::Mul(hn::Max(motion.d, hn::Zero(d)), r.slope);  // samples carry no density of their own
+      const VF fluid_g = hn::Mul(hn::Max(motion.d, zero), r.slope);  // samples carry no density of their own
+      of_fluid = hn::MulAdd(fluid_g, approach, of_fluid);
       diffusion = hn::MulAdd(fluid_g, excess, diffusion);
       fluid = hn::NegMulAdd(fluid_g, r.r2, fluid);
     });
     const float h = static_cast<float>(constants_.kernel.h());
     const float rate = rho * c * c * total(divergence) - 2 * constants_.diffusion * h * c * total(diffusion);
-    const float p = own.p + constants_.dt * rate;
-    // Spray bears no tension, and a lone drop no pressure; particles would bind to molecules otherwise.
+    float p = own.p + constants_.dt * rate;
     const float water = total(fluid), room = std::max(Dim - (total(fullness) - water), kLeastRoom * Dim);
+    // Beside air, a solid that moves away makes room for air, not for water: no drop of the pressure, nor tension.
+    const float left = std::max(rho * c * c * constants_.dt * (total(of_fluid) - total(divergence)), 0.f);
+    const float least = water > kBacked * Dim ? std::max(own.p, 0.f) : 0.f;
+    if (total(fullness) < kOpen * Dim) p = std::max(p, std::min(p + left, least));
+    // Spray bears no tension, and a lone drop no pressure; particles would bind to molecules otherwise.
     const bool spray = total(fullness) < kSpray * Dim || water < kSprayAtWall * room;
     return (spray && p < 0) || items_.lists.count[item] == 0 ? 0.f : p;
   }
@@ -188,8 +193,8 @@ class Pairs {
         gy = hn::MulAdd(both, r.y, gy);
         v2 = hn::MulAdd(vy, vy, v2);
       }
-      fastest =
-          hn::Max(fastest, hn::IfThenZeroElse(hn::Or(sample, hn::Eq(r.slope, zero)), v2));  // 0: beyond the kernel
+      const auto none = hn::Or(sample, hn::Eq(r.slope, zero));  // no slope: beyond the kernel
+      fastest = hn::Max(fastest, hn::IfThenZeroElse(none, v2));
     });
     return {{total(px), total(py), total(pz)},
             {total(gx), total(gy), total(gz)},
@@ -295,7 +300,7 @@ class Pairs {
   // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
   // spray, and below a fifth of the room that solids leave: a pair of drops on a wall, whose samples fill half of what
   // is around. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
-  static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f;
+  static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f, kOpen = 0.9f, kBacked = 0.6f;
   static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
 
   template <class Body>
@@ -303,10 +308,8 @@ class Pairs {
     const Record& own = items_.record[item];
     const std::uint32_t* list = items_.lists.of(item);
     const std::uint32_t count = items_.lists.count[item];
-    for (std::uint32_t k = 0; k < count; k += kLanes) {
-      const Quad motion = load_transposed(F(), base_ + 4, list + k, 8);
-      body(pair(own, list + k), motion, list + k);
-    }
+    for (std::uint32_t k = 0; k < count; k += kLanes)
+      body(pair(own, list + k), load_transposed(F(), base_ + 4, list + k, 8), list + k);
   }
   /// The same with the neighbours' motion from `flow`.
   template <class Body>
@@ -373,9 +376,8 @@ class Pairs {
     return constants_.several_densities ? extras_.density[item] : extras_.density.empty() ? 1.f : extras_.density[0];
   }
   HWY_INLINE VF densities(const std::uint32_t* index) const {
-    const F d;
-    if (!constants_.several_densities) return hn::Set(d, extras_.density[0]);
-    return hn::GatherIndex(d, extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
+    if (!constants_.several_densities) return hn::Set(F(), extras_.density[0]);
+    return hn::GatherIndex(F(), extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
   }
   /// Mean density of a pair; of a pair with a sample the particle's own, as the sample sees it.
   HWY_INLINE VF pair_density(VF own, const Quad& motion, const std::uint32_t* index) const {

@@ -71,7 +71,8 @@ void resize_gently(std::vector<T>& out, std::size_t size) {
 /// every particle by continuity and density diffusion over dt: `new_pressure`, per particle.
 ///   dp_i/dt = rho c^2 sum V_j (v_i - v_j).g r - 2 xi h c sum_fluid V_j (p_j - p_i + rho G.r) g
 /// In spray, where -sum V_j r.g r falls below half of the dimension, or the fluid's part of it below a fifth of what
-/// solids leave, tension is let go: p >= 0.
+/// solids leave, tension is let go: p >= 0. Beside air (below 0.9 of the dimension) solids that move away lower p at
+/// most to 0, and not at all where the fluid's part is above 0.6 of the dimension.
 void build_lists_and_advance_pressure(Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                                       std::vector<float>& new_pressure);
 

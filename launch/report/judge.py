@@ -125,23 +125,26 @@ def absolute_error(row: dict) -> float | None:
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases (F, B, X) meet all their targets with at least one solver, and how
     many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
-    The staggered scheme does not count: it is there to show where it fails. Nor does a figure whose reference is not
-    installed."""
+    A case without a run at a level counts there as at the level below. The staggered scheme does not count: it
+    is there to show where it fails. Nor does a figure whose reference is not installed."""
     lines = []
+    pairs: dict[tuple[str, str], bool] = {}
     for level in LEVELS[1:]:
-        pairs = {}
+        at_level = {}
         for case in (c for c in cases if not c.stability and c.id[0] in "FBX"):
             for method in (m for m in case.methods if m != "staggered"):
                 mine = [r for r in rows if (r["case"], r["method"], r["level"]) == (case.id, method, level)]
                 verdicts = [m["verdict"] for r in mine for m in r["measures"] if m["verdict"] in ("met", "missed")]
                 if verdicts:
-                    pairs[case.id, method] = all(v == "met" for v in verdicts)
+                    at_level[case.id, method] = all(v == "met" for v in verdicts)
+        run_here = {case for case, _ in at_level}
+        pairs = {p: met for p, met in pairs.items() if p[0] not in run_here} | at_level
         by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
         numbers: dict[str, bool] = {}
         for name, met in by_case.items():
             number = re.match(r"[A-Z]\d*", name)[0]
             numbers[number] = numbers.get(number, True) and met
-        if pairs:
+        if at_level:
             lines.append(
                 {
                     "level": level,

@@ -53,7 +53,15 @@ class MetByLevel(unittest.TestCase):
         ten, minute = judge.met_by_level(cases, rows)
         self.assertEqual((ten["cases_met"], ten["cases"], ten["pairs_met"], ten["pairs"]), (1, 2, 1, 3))
         self.assertEqual(ten["missed"], ["X1"])
-        self.assertEqual((minute["level"], minute["cases_met"], minute["cases"]), ("1min", 0, 1))
+        self.assertEqual((minute["level"], minute["cases_met"], minute["cases"]), ("1min", 0, 2))
+
+    def test_a_case_without_a_run_at_a_level_counts_there_as_at_the_level_below(self):
+        rows = [row("X6g", "wcsph", "missed"), row("B4", "implicit", "met")]
+        rows += [row("X6", "wcsph", "met", "1min"), row("B1", "wcsph", "met", "1min"), row("B4", "wcsph", "missed", "1min")]
+        [ten, minute] = judge.met_by_level([case("X6g"), case("X6"), case("B1"), case("B4", ("wcsph", "implicit"))], rows)
+        self.assertEqual((ten["cases_met"], ten["cases"]), (1, 2))
+        self.assertEqual((minute["cases_met"], minute["cases"], minute["numbers_met"], minute["numbers"]), (2, 4, 1, 3))
+        self.assertEqual(set(minute["missed"]), {"X6g", "B4"}, "another solver's run does not stand for the one missed")
 
     def test_a_reference_that_is_not_installed_is_neither_met_nor_missed(self):
         absent = row("X1", "wcsph", "reference not installed")
