@@ -6,7 +6,7 @@ import numpy as np
 
 from case import Case, Chart, Measure, Outcome, Variant, judged_at
 from cases_rigid import STEP, STEPS, G, largest
-from metrics import NoFigure, relative, resample
+from metrics import NoFigure, first_row, relative, resample
 from references import bouncing, comes_to_roll, read_table, rest_time, sliding, sliding_then_rolling
 
 Array = np.ndarray
@@ -255,10 +255,8 @@ def pitch(run: Outcome, body: str) -> Array:
 def tipping_error(run: Outcome) -> float:
     """Tilt of the slab when the box has turned by 0.2 degrees against it, minus atan(w / h); degrees."""
     turned = np.degrees(pitch(run, "box") - pitch(run, "slab"))
-    beyond = np.nonzero(turned > 0.2)[0]
-    if beyond.size == 0:
-        raise NoFigure("the box does not tip")
-    return abs(math.degrees(pitch(run, "slab")[beyond[0]]) - math.degrees(math.atan(0.5)))
+    tips = first_row(turned > 0.2, "the box does not tip")
+    return abs(math.degrees(pitch(run, "slab")[tips]) - math.degrees(math.atan(0.5)))
 
 
 TIPPING = Case(

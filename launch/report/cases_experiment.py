@@ -3,7 +3,7 @@
 import numpy as np
 
 from case import LOST, Case, Chart, Measure, Outcome, Variant, judged_at
-from metrics import IMPACT_S, NoFigure, nrmse, relative, resample, rms, running_mean
+from metrics import IMPACT_S, NoFigure, first_row, nrmse, relative, resample, rms, running_mean
 from references import read_table
 
 G = 9.81  # m/s^2, as in the scenes
@@ -54,18 +54,14 @@ def rubbing(cubes: tuple[str, ...]) -> tuple[Variant, ...]:
 def water_comes(run: Outcome) -> float:
     """When water first stands on the bed 5 cm before the cubes, s after the lift of the gate."""
     t, level = run.series("water", LIFT)
-    wet = np.nonzero(level > 0)[0]
-    if wet.size == 0:
-        raise NoFigure("no water comes to the cubes")
-    return float(t[wet[0]]) - LIFT
+    return float(t[first_row(level > 0, "no water comes to the cubes")]) - LIFT
 
 
 def first_at(t: np.ndarray, x: np.ndarray, place: float) -> float:
     """When x first reaches a place, linear between rows."""
-    beyond = np.nonzero(x >= place)[0]
-    if beyond.size == 0 or beyond[0] == 0:
-        raise NoFigure(f"x does not go through {place:g} m")
-    i = beyond[0]
+    i = first_row(x >= place, f"x does not come to {place:g} m")
+    if i == 0:
+        raise NoFigure(f"x starts beyond {place:g} m")
     return float(t[i - 1] + (place - x[i - 1]) * (t[i] - t[i - 1]) / (x[i] - x[i - 1]))
 
 
@@ -78,10 +74,7 @@ def leaves(run: Outcome) -> float:
 def falls(run: Outcome) -> float:
     """When the top cube's centre sinks below 0.225 m, against 1.10 s in the experiment."""
     t, z = run.series("top.z", LIFT)
-    low = np.nonzero(z < 0.225)[0]
-    if low.size == 0:
-        raise NoFigure("the top cube does not fall")
-    return relative(float(t[low[0]]) - LIFT, 1.10)
+    return relative(float(t[first_row(z < 0.225, "the top cube does not fall")]) - LIFT, 1.10)
 
 
 ONE_CUBE = Case(
@@ -171,10 +164,7 @@ def pressure_table(table: str, folders: list) -> tuple[np.ndarray, np.ndarray]:
 
 def arrival(run: Outcome) -> float:
     t, p = wall_pressure(run)
-    hit = np.nonzero(p > 0.1)[0]
-    if hit.size == 0:
-        raise NoFigure("no pressure at the wall")
-    return relative(float(t[hit[0]]), 2.43)
+    return relative(float(t[first_row(p > 0.1, "no pressure at the wall")]), 2.43)
 
 
 def mean_until_six(t: np.ndarray, p: np.ndarray) -> float:

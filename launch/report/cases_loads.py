@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from case import LOST, Case, Chart, Measure, Outcome
-from metrics import IMPACT_S, NoFigure, nrmse, relative, resample, running_mean
+from metrics import IMPACT_S, first_row, nrmse, relative, resample, running_mean
 from references import read_table
 
 Array = np.ndarray
@@ -34,10 +34,7 @@ def measured(number: int, folders: list, until: float = 6.3) -> tuple[Array, Arr
 
 def rise(t: Array, p: Array) -> float:
     """When p first passes 0.2."""
-    above = np.nonzero(p > 0.2)[0]
-    if above.size == 0:
-        raise NoFigure("no pressure at the sensor")
-    return float(t[above[0]])
+    return float(t[first_row(p > 0.2, "no pressure at the sensor")])
 
 
 def pressure_error(number: int):
@@ -110,10 +107,7 @@ def bore(run: Outcome) -> tuple[Array, Array]:
     """Speed of the water 0.146 m before the pillar. The table's time counts from when the bore comes there, at which it has
     its largest speed (2.1 m/s at 9 ms): so does this one, from when half of that is first passed."""
     t, v = run.series("bore.vx")
-    come = np.nonzero(v > 1.05)[0]
-    if come.size == 0:
-        raise NoFigure("no bore comes to the place")
-    return t - t[come[0]], v
+    return t - t[first_row(v > 1.05, "no bore comes to the place")], v
 
 
 def velocity_error(run: Outcome) -> float:

@@ -33,6 +33,14 @@ def running_mean(t: Array, y: Array, width: float) -> Array:
     return (integral(t + width / 2) - integral(np.maximum(t - width / 2, t[0])) - first) / width
 
 
+def first_row(holds: Array, otherwise: str) -> int:
+    """Index of the first row where it holds; if there is none, NoFigure that says so."""
+    rows = np.nonzero(holds)[0]
+    if rows.size == 0:
+        raise NoFigure(otherwise)
+    return int(rows[0])
+
+
 def rms(difference: Array) -> float:
     return float(np.sqrt(np.mean(np.square(difference))))
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from case import Case, Measure, Outcome, Variant
+from cases_coupled import drift, largest_tilt
 
 G = 9.81  # m/s^2, as in the scenes
 
@@ -71,14 +72,6 @@ def sweep(key: str, name: str, values: tuple, scale: float = 1) -> tuple[Variant
 DENSITY, SIZE, SPEED = "models.box.density", "models.box.shape.box", "models.box.velocity"
 LID = {"models.tank.shape.open_box.lid": "true"}  # so that what splashes out does not count as a leak
 FLOATING = {"world.duration": "60", "output.every": "0.1"}
-
-
-def wandering(run: Outcome) -> float:
-    return float(np.max(np.abs(run.values("box.x") - 1)))  # the box is 1 m wide
-
-
-def tilt(run: Outcome) -> float:
-    return float(np.degrees(2 * np.max(np.abs(run.values("box.qy")))))
 
 
 def heave_grows(run: Outcome) -> float:
@@ -249,8 +242,8 @@ CASES = (
         scene="floating_box",
         resolution=0.1,
         more=(
-            Measure("way / width", "%", wandering, (0.05,)),
-            Measure("tilt", "deg", tilt, (2.0,)),
+            Measure("way / width", "%", drift("box.x", 1), (0.05,)),
+            Measure("tilt", "deg", largest_tilt, (2.0,)),
         ),
         overrides=FLOATING,
     ),

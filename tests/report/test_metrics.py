@@ -16,6 +16,12 @@ class Curves(unittest.TestCase):
         reference = np.array([1.0, 3.0, 5.0])
         self.assertAlmostEqual(metrics.nrmse(reference + 0.2, reference), 0.05, places=12)
 
+    def test_the_first_row_where_something_holds(self):
+        level = np.array([-1, 0, 0.2, -3, 0.4])
+        self.assertEqual(metrics.first_row(level > 0, "dry"), 2)
+        with self.assertRaisesRegex(metrics.NoFigure, "stays dry"):
+            metrics.first_row(level > 1, "the bed stays dry")
+
     def test_nrmse_of_one_wrong_point_in_four(self):
         reference = np.array([0.0, 1.0, 2.0, 4.0])
         self.assertAlmostEqual(metrics.nrmse(reference + [0, 0, 0, 2], reference), 0.25, places=12)
