@@ -204,8 +204,8 @@ class Pairs {
             0};
   }
 
-  /// What a row of the pressure system needs. Keeps the pairs' gradients, their sum, and W of the pairs with samples.
-  HWY_INLINE RowSums row_sums(std::uint32_t item, float* gradient, float* values, PairGradients::Sum& whole) const {
+  /// What a row of the pressure system needs. Keeps the pairs' slopes, and the sum of their gradients.
+  HWY_INLINE RowSums row_sums(std::uint32_t item, float* slopes, KeptPairs::Sum& whole) const {
     const F d;
     const VF zero = hn::Zero(d);
     VF w = zero, fluid = zero, solid = zero, square = zero, sx = zero, sy = zero, sz = zero, from_samples = zero;
@@ -216,21 +216,12 @@ class Pairs {
       const VF part = hn::Mul(vg, r.r2);
       fluid = hn::Sub(fluid, hn::IfThenZeroElse(sample, part));
       solid = hn::Sub(solid, hn::IfThenElseZero(sample, part));
-      const VF sample_value = hn::IfThenElseZero(sample, value);
-      const VF gx = hn::Mul(vg, r.x), gz = hn::Mul(vg, r.z);
-      sx = hn::Add(sx, gx);
-      sz = hn::Add(sz, gz);
-      hn::StoreU(gx, d, gradient);
-      hn::StoreU(gz, d, gradient + kLanes);
-      if constexpr (Dim == 3) {
-        const VF gy = hn::Mul(vg, r.y);
-        sy = hn::Add(sy, gy);
-        hn::StoreU(gy, d, gradient + 2 * kLanes);
-      }
-      gradient += Dim * kLanes;
-      hn::StoreU(sample_value, d, values);
-      values += kLanes;
-      from_samples = hn::Add(from_samples, sample_value);
+      sx = hn::Add(sx, hn::Mul(vg, r.x));
+      sz = hn::Add(sz, hn::Mul(vg, r.z));
+      if constexpr (Dim == 3) sy = hn::Add(sy, hn::Mul(vg, r.y));
+      hn::StoreU(vg, d, slopes);
+      slopes += kLanes;
+      from_samples = hn::Add(from_samples, hn::IfThenElseZero(sample, value));
       const VF g2 = hn::Mul(hn::Mul(vg, r.slope), hn::Div(r.r2, densities(index)));
       square = hn::Add(square, hn::IfThenZeroElse(sample, g2));
     });
@@ -239,17 +230,23 @@ class Pairs {
     return {total(w) + self_value(item), total(fluid) / (Dim * std::max(room, kLeastRoom)), total(square)};
   }
 
-  /// Keeps a sample's gradients, and V W of its neighbours.
-  HWY_INLINE void keep_sample(std::uint32_t item, float* gradient, float* values) const {
+  /// Keeps W of a particle's pairs with samples.
+  HWY_INLINE void keep_values(std::uint32_t item, float* values) const {
     const F d;
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
-      const VF volume = hn::Max(motion.d, hn::Zero(d)), vg = hn::Mul(volume, r.slope);
-      hn::StoreU(hn::Mul(vg, r.x), d, gradient);
-      hn::StoreU(hn::Mul(vg, r.z), d, gradient + kLanes);
-      if constexpr (Dim == 3) hn::StoreU(hn::Mul(vg, r.y), d, gradient + 2 * kLanes);
-      gradient += Dim * kLanes;
-      hn::StoreU(hn::Mul(volume, kernel_.value(r.r2)), d, values);
+      hn::StoreU(hn::IfThenElseZero(hn::Lt(motion.d, hn::Zero(d)), kernel_.value(r.r2)), d, values);
       values += kLanes;
+    });
+  }
+
+  /// Keeps a sample's slopes, and V W of its neighbours.
+  HWY_INLINE void keep_sample(std::uint32_t item, float* slopes, float* values) const {
+    const F d;
+    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
+      const VF volume = hn::Max(motion.d, hn::Zero(d));
+      hn::StoreU(hn::Mul(volume, r.slope), d, slopes);
+      hn::StoreU(hn::Mul(volume, kernel_.value(r.r2)), d, values);
+      slopes += kLanes, values += kLanes;
     });
   }
 

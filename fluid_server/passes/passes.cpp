@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/passes/passes.cpp"
@@ -99,34 +98,43 @@ void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, d
 
 template <int Dim, KernelKind K>
 void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
-             PairGradients& kept) {
+             KeptPairs& kept) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  kept.make_room(items, kLanes, Dim, constants.threads);
-  const auto gradients = [&](std::uint32_t item) {
-    return kept.gradient.data() + std::size_t{kept.place[item]} * (Dim * kLanes);
+  kept.make_room_for_slopes(items, kLanes, constants.threads);
+  const auto slopes = [&](std::uint32_t item) {
+    return kept.slope.data() + std::size_t{kept.slopes_before[item]} * kLanes;
   };
-  const auto values = [&](std::uint32_t item) { return kept.value.data() + std::size_t{kept.place[item]} * kLanes; };
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f) {
                      const std::uint32_t item = items.fluid_item[f];
-                     sums[f] = pairs.row_sums(item, gradients(item), values(item), kept.sum[f]);
+                     sums[f] = pairs.row_sums(item, slopes(item), kept.sum[f]);
                    }
+                 });
+  kept.make_room_for_values(items, kLanes, constants.threads);
+  const auto values = [&](std::uint32_t item) {
+    return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
+  };
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     if (kept.sum[f].touches_samples)
+                       pairs.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
                  });
   for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t s = begin; s < end; ++s) {
                      const std::uint32_t item = items.sample_item[s];
-                     pairs.keep_sample(item, gradients(item), values(item));
+                     pairs.keep_sample(item, slopes(item), values(item));
                    }
                  });
 }
 
 template <int Dim>
-void AverageAll(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs, const float* x,
+void AverageAll(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs, const float* x,
                 float* out) {
-  const Products<Dim> products(items.lists, pairs);
-  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.pressure[items.fluid_item[f]] = x[f];
+  const Products<Dim> products(items, pairs);
+  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = x[f];
   for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t s = begin; s < end; ++s) out[s] = products.mean(items.sample_item[s]);
@@ -135,10 +143,10 @@ void AverageAll(const Neighbourhood& items, const PassConstants& constants, Pair
 
 template <int Dim>
 void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                 const float* inverse_w, const RowSums* sums, PairGradients& pairs, float* out) {
-  const Products<Dim> products(items.lists, pairs);
-  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.pressure[items.fluid_item[f]] = 0;
-  for (std::size_t s = 0; s < items.sample_item.size(); ++s) pairs.pressure[items.sample_item[s]] = inverse_w[s];
+                 const float* inverse_w, const RowSums* sums, KeptPairs& pairs, float* out) {
+  const Products<Dim> products(items, pairs);
+  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = 0;
+  for (std::size_t s = 0; s < items.sample_item.size(); ++s) pairs.point[items.sample_item[s]].p = inverse_w[s];
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f) {
@@ -153,20 +161,20 @@ void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const Pas
 
 template <int Dim>
 void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              const float* inverse_w, PairGradients& pairs, const float* x, Flow* flow, float* out) {
-  const Products<Dim> products(items.lists, pairs);
+              const float* inverse_w, KeptPairs& pairs, const float* x, Flow* flow, float* out) {
+  const Products<Dim> products(items, pairs);
   const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
   const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
-  float* pressure = pairs.pressure.data();
+  KeptPairs::Point* point = pairs.point.data();
 #pragma omp parallel num_threads(constants.threads)
   {
 #pragma omp for schedule(static)
-    for (std::uint32_t f = 0; f < particles; ++f) pressure[items.fluid_item[f]] = x[f];
+    for (std::uint32_t f = 0; f < particles; ++f) point[items.fluid_item[f]].p = x[f];
 #pragma omp for schedule(dynamic, Lists::kChunk)
     for (std::uint32_t s = 0; s < samples; ++s) {
       const std::uint32_t item = items.sample_item[s];
       flow[item] = {0, 0, 0, items.record[item].volume};
-      pressure[item] = inverse_w[s] > 0 ? products.sample_pressure(item, inverse_w[s]) : 0.f;
+      point[item].p = inverse_w[s] > 0 ? products.sample_pressure(item, inverse_w[s]) : 0.f;
     }
 #pragma omp for schedule(dynamic, Lists::kChunk)
     for (std::uint32_t f = 0; f < particles; ++f) {
@@ -178,7 +186,7 @@ void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassCo
     for (std::uint32_t s = 0; s < samples; ++s)
       if (inverse_w[s] > 0) {
         const std::uint32_t item = items.sample_item[s];
-        pressure[item] = products.sample_flux(item, inverse_w[s], flow);
+        point[item].p = products.sample_flux(item, inverse_w[s], flow);
       }
 #pragma omp for schedule(dynamic, Lists::kChunk)
     for (std::uint32_t f = 0; f < particles; ++f)
@@ -239,11 +247,11 @@ void Uneven(const Neighbourhood& items, const PassConstants& constants, double s
   BALLAST_BY_KERNEL(UnevennessAll, constants.kernel, items, constants, spacing, out);
 }
 void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
-          PairGradients& pairs) {
+          KeptPairs& pairs) {
   BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums, pairs);
 }
 void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
-           PairGradients& pairs, const float* x, Flow* flow, float* out) {
+           KeptPairs& pairs, const float* x, Flow* flow, float* out) {
   const auto apply = constants.kernel.dimension == 2 ? ApplyAll<2> : ApplyAll<3>;
   apply(items, extras, constants, inverse_w, pairs, x, flow, out);
 }
@@ -251,13 +259,12 @@ void Diverge(Neighbourhood& items, const PassConstants& constants, const float* 
              float* out) {
   BALLAST_BY_KERNEL(DivergeAll, constants.kernel, items, constants, inverse_w, flow, out);
 }
-void Average(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs, const float* x,
-             float* out) {
+void Average(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs, const float* x, float* out) {
   const auto average = constants.kernel.dimension == 2 ? AverageAll<2> : AverageAll<3>;
   average(items, constants, pairs, x, out);
 }
 void Diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              const float* inverse_w, const RowSums* sums, PairGradients& pairs, float* out) {
+              const float* inverse_w, const RowSums* sums, KeptPairs& pairs, float* out) {
   const auto diagonal = constants.kernel.dimension == 2 ? DiagonalAll<2> : DiagonalAll<3>;
   diagonal(items, extras, constants, inverse_w, sums, pairs, out);
 }
@@ -269,34 +276,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ballast::fluid {
-
-void PairGradients::make_room(const Neighbourhood& items, std::uint32_t lanes, std::uint32_t axes, int threads) {
-  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
-  const auto vectors = [&](std::uint32_t item) { return (items.lists.count[item] + lanes - 1) / lanes; };
-  std::vector<std::uint32_t> before(chunks + 1, 0);  // vectors before each chunk
-  place.resize(size);
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (std::uint32_t c = 0; c < chunks; ++c)
-    for (std::uint32_t i = c * Lists::kChunk; i < std::min(size, (c + 1) * Lists::kChunk); ++i) {
-      place[i] = before[c + 1];
-      before[c + 1] += vectors(i);
-    }
-  std::partial_sum(before.begin(), before.end(), before.begin());
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (std::uint32_t c = 0; c < chunks; ++c)
-    for (std::uint32_t i = c * Lists::kChunk; i < std::min(size, (c + 1) * Lists::kChunk); ++i) place[i] += before[c];
-  const std::size_t entries = std::size_t{before.back()} * lanes;
-  if (value.size() >= entries) return;
-  const std::size_t room = entries + entries / 16;  // it grows a little at a time
-  value = gradient = std::vector<float>();          // never old and new at once
-  value = std::vector<float>(room);
-  gradient = std::vector<float>(room * axes);
-}
-
-std::size_t PairGradients::memory() const {
-  return (gradient.capacity() + value.capacity() + pressure.capacity()) * sizeof(float) +
-         place.capacity() * sizeof(std::uint32_t) + sum.capacity() * sizeof(Sum);
-}
 
 HWY_EXPORT(Build);
 HWY_EXPORT(Advance);
@@ -352,25 +331,28 @@ void find_unevenness(const Neighbourhood& items, const PassConstants& constants,
   HWY_DYNAMIC_DISPATCH(Uneven)(items, constants, spacing, out.data());
 }
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              std::vector<RowSums>& sums, PairGradients& pairs) {
+              std::vector<RowSums>& sums, KeptPairs& pairs) {
   sums.resize(items.fluid_item.size());
   pairs.sum.resize(items.fluid_item.size());
-  pairs.pressure.resize(items.record.size());
+  pairs.point.resize(items.record.size());
+#pragma omp parallel for num_threads(constants.threads) schedule(static)
+  for (std::size_t i = 0; i < items.record.size(); ++i)
+    pairs.point[i] = {items.record[i].x, items.record[i].y, items.record[i].z, 0.f};
   HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data(), pairs);
 }
-void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs,
+void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs,
                           std::span<const float> x, std::vector<float>& out) {
   out.resize(items.sample_item.size());
   HWY_DYNAMIC_DISPATCH(Average)(items, constants, pairs, x.data(), out.data());
 }
 void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, PairGradients& pairs,
+                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, KeptPairs& pairs,
                    std::vector<float>& out) {
   out.resize(items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Diagonal)(items, extras, constants, inverse_w.data(), sums.data(), pairs, out.data());
 }
 void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, PairGradients& pairs, std::span<const float> x,
+                    const std::vector<float>& inverse_w, KeptPairs& pairs, std::span<const float> x,
                     std::vector<Flow>& flow, std::vector<float>& out) {
   flow.resize(items.record.size());
   out.resize(items.fluid_item.size());

@@ -132,41 +132,49 @@ struct Flow {
   float x, y, z, volume;  ///< volume as in Record
 };
 
-/// Gradients and kernel values of all pairs, kept for the products of one solve, list after list in the order of the
-/// items: gradients in blocks of one vector per axis (x, z, y).
-struct PairGradients {
+/// What is kept of the pairs for the products of one solve, list after list in the order of the items, and as many
+/// numbers as a list takes in whole vectors: the slope of every pair, from which r, out of positions in 16 bytes with
+/// the pressure, makes the gradient again; kernel values only where samples take part.
+struct KeptPairs {
   struct Sum {
     float x, y, z;          ///< sum V_j g r
     float touches_samples;  ///< 0: no sample among the neighbours
   };
-  std::vector<float> gradient;       ///< V_j g r
-  std::vector<float> value;          ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
-  std::vector<std::uint32_t> place;  ///< per item: vectors of entries before those of its list
-  std::vector<Sum> sum;              ///< per particle
-  std::vector<float> pressure;       ///< per item: what the product at hand reads
-  /// Room for all lists of these items, in vectors of `lanes`.
-  void make_room(const Neighbourhood& items, std::uint32_t lanes, std::uint32_t axes, int threads);
+  struct Point {
+    std::uint32_t x, y, z;  ///< as in Record
+    float p;                ///< what the product at hand reads
+  };
+  std::vector<float> slope;                  ///< V_j g
+  std::vector<float> value;                  ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
+  std::vector<std::uint32_t> slopes_before;  ///< per item: vectors of slopes before those of its list
+  std::vector<std::uint32_t>
+      values_before;         ///< per item: the same of values, for samples and particles that touch them
+  std::vector<Sum> sum;      ///< per particle
+  std::vector<Point> point;  ///< per item
+  /// Room for the slopes of all lists of these items, in vectors of `lanes`; for their values, once `sum` is known.
+  void make_room_for_slopes(const Neighbourhood& items, std::uint32_t lanes, int threads);
+  void make_room_for_values(const Neighbourhood& items, std::uint32_t lanes, int threads);
   std::size_t memory() const;  ///< bytes of all its arrays
 };
 
-/// Row sums of every particle, and the gradients of all pairs.
+/// Row sums of every particle, and what is kept of all pairs.
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              std::vector<RowSums>& sums, PairGradients& pairs);
+              std::vector<RowSums>& sums, KeptPairs& pairs);
 
 /// out = mean over each sample's particles of x, weighted by V W; 0 where dry.
-void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, PairGradients& pairs,
+void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs,
                           std::span<const float> x, std::vector<float>& out);
 
 /// out = diagonal of G^T M^-1 G, per particle, without what a sample hands on to others.
 void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, PairGradients& pairs,
+                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, KeptPairs& pairs,
                    std::vector<float>& out);
 
 /// out = G^T M^-1 G x, per particle; solids at rest. Leaves the accelerations M^-1 G x in `flow`. `inverse_w` per
 /// sample: what it multiplies sum V W p by to extrapolate, 1 / sum V W or less, 0 where dry; `pairs` from sum_rows of
 /// the same lists.
 void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, PairGradients& pairs, std::span<const float> x,
+                    const std::vector<float>& inverse_w, KeptPairs& pairs, std::span<const float> x,
                     std::vector<Flow>& flow, std::vector<float>& out);
 
 /// out = G^T v for the velocities in `flow`, those of the samples included: volume times divergence, per particle.

@@ -90,7 +90,7 @@ class ImplicitPressure : private QuadraticProgram {
   Mprgp mprgp_;
   BodyRows bodies_;
   std::vector<RowSums> rows_;
-  PairGradients pairs_;
+  KeptPairs pairs_;
   double uniform_ = 0;                    // weight of a uniform pressure: balance_closed
   std::vector<float> inside_, share_;     // find_shares
   std::vector<float> softness_, source_;  // compression that a unit of pressure bears, that a step takes back

@@ -109,7 +109,7 @@ class Passes : public ::testing::TestWithParam<PassCase> {
   std::vector<Record> fixed_, moving_;
   PassConstants constants_;
   ItemExtras extras_;
-  PairGradients pairs_;
+  KeptPairs pairs_;
 };
 
 TEST_P(Passes, SortingKeepsEveryParticleAndCellOrder) {
