@@ -298,6 +298,7 @@ class Pairs {
   // spray, and below a fifth of the room that solids leave: a pair of drops on a wall, whose samples fill half of what
   // is around. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
   static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f, kOpen = 0.9f, kBacked = 0.6f;
+  // Below kOpen air is near; above kBacked, by water alone, it is not a film nor the line where surface and wall meet.
   static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
 
   template <class Body>
