@@ -108,7 +108,7 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
       const Eigen::Vector3f drag = volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
       wet.force += drag;
       // Both act at the surface; the pairs' sum is mu du/dn and lacks mu (grad u)^T n, which is mu n x spin on a body.
-      const Eigen::Vector3f turned = 2 * sum.wmu / sum.w * spin.cross(wet.area);
+      const Eigen::Vector3f turned = -volume * spin.cross(Eigen::Vector3f::Map(sum.ar));
       wet.couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
     }
   }

@@ -7,6 +7,7 @@
 #define BALLAST_PAIRS_INL_H_
 #endif
 #include "fluid_server/passes/vectors-inl.h"
+#include "fluid_server/passes/viscous-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ballast::fluid {
@@ -67,8 +68,8 @@ class Pairs {
     const F d;
     const VF zero = hn::Zero(d);
     VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
-       pz = zero, wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, wmu = zero, a = zero,
-       ax = zero, ay = zero, az = zero;
+       pz = zero, wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, a = zero, arx = zero,
+       ary = zero, arz = zero, ax = zero, ay = zero, az = zero;
     VF nearest2 = hn::Set(d, kernel_.support2);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
@@ -92,12 +93,15 @@ class Pairs {
       }
       if (constants_.viscous) {
         const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
-        const VF mu_g = hn::Mul(hn::Add(viscous.d, viscous.d), vg);
+        const VF even = along<Dim>(evening_of<Dim>(extras_.evening, index), r);
+        const VF mu_g = hn::Mul(hn::Mul(hn::MulAdd(even, viscous.d, viscous.d), hn::Set(d, 2.f)), vg);
         a = hn::Add(a, mu_g);
-        wmu = hn::MulAdd(vw, viscous.d, wmu);
         wdx = hn::MulAdd(vw, r.x, wdx);
         wdy = hn::MulAdd(vw, r.y, wdy);
         wdz = hn::MulAdd(vw, r.z, wdz);
+        arx = hn::MulAdd(mu_g, r.x, arx);
+        ary = hn::MulAdd(mu_g, r.y, ary);
+        arz = hn::MulAdd(mu_g, r.z, arz);
         ax = hn::MulAdd(mu_g, motion.a, ax);
         ay = hn::MulAdd(mu_g, motion.b, ay);
         az = hn::MulAdd(mu_g, motion.c, az);
@@ -113,8 +117,8 @@ class Pairs {
          {total(px), total(py), total(pz)},
          {total(wvx), total(wvy), total(wvz)},
          {total(wdx), total(wdy), total(wdz)},
-         total(wmu),
          total(a),
+         {total(arx), total(ary), total(arz)},
          {total(ax), total(ay), total(az)},
          std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2))),
          1.f};
@@ -129,6 +133,7 @@ class Pairs {
     const VF pi = hn::Set(d, own.p), rho_i = hn::Set(d, rho);
     VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
     VF vx = hn::Zero(d), vy = hn::Zero(d), vz = hn::Zero(d);
+    const Evenings own_evening = evening_of<Dim>(constants_.viscous ? extras_.evening[item] : Evening{});
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       const VF pair_rho = constants_.several_densities ? pair_density(rho_i, motion, index) : rho_i;
@@ -139,8 +144,11 @@ class Pairs {
       if (constants_.viscous) {
         const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
         const VF own_mu = hn::Set(d, extras_.viscous[item].mu);
-        const VF other_mu = hn::IfThenElse(hn::Lt(viscous.d, hn::Zero(d)), own_mu, viscous.d);
-        const VF mu = hn::Mul(hn::Add(own_mu, other_mu), vg);
+        const auto sample = hn::Lt(viscous.d, hn::Zero(d));
+        const VF other_mu = hn::IfThenElse(sample, own_mu, viscous.d);
+        const VF own_even = along<Dim>(own_evening, r), even = along<Dim>(evening_of<Dim>(extras_.evening, index), r);
+        const VF mean_even = hn::Mul(hn::Set(d, 0.5f), hn::Add(own_even, hn::IfThenElse(sample, own_even, even)));
+        const VF mu = hn::Mul(hn::Mul(hn::Add(own_mu, other_mu), hn::Add(hn::Set(d, 1.f), mean_even)), vg);
         vx = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vx), viscous.a), vx);
         vy = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vy), viscous.b), vy);
         vz = hn::MulAdd(mu, hn::Sub(hn::Set(d, own.vz), viscous.c), vz);
@@ -204,102 +212,9 @@ class Pairs {
             0};
   }
 
-  /// What a row of the pressure system needs. Keeps the pairs' slopes, and the sum of their gradients.
-  HWY_INLINE RowSums row_sums(std::uint32_t item, float* slopes, KeptPairs::Sum& whole) const {
-    const F d;
-    const VF zero = hn::Zero(d);
-    VF w = zero, fluid = zero, solid = zero, square = zero, sx = zero, sy = zero, sz = zero, from_samples = zero;
-    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
-      const VF volume = hn::Abs(motion.d), vg = hn::Mul(volume, r.slope), value = kernel_.value(r.r2);
-      const auto sample = hn::Lt(motion.d, zero);
-      w = hn::MulAdd(volume, value, w);
-      const VF part = hn::Mul(vg, r.r2);
-      fluid = hn::Sub(fluid, hn::IfThenZeroElse(sample, part));
-      solid = hn::Sub(solid, hn::IfThenElseZero(sample, part));
-      sx = hn::Add(sx, hn::Mul(vg, r.x));
-      sz = hn::Add(sz, hn::Mul(vg, r.z));
-      if constexpr (Dim == 3) sy = hn::Add(sy, hn::Mul(vg, r.y));
-      hn::StoreU(vg, d, slopes);
-      slopes += kLanes;
-      from_samples = hn::Add(from_samples, hn::IfThenElseZero(sample, value));
-      const VF g2 = hn::Mul(hn::Mul(vg, r.slope), hn::Div(r.r2, densities(index)));
-      square = hn::Add(square, hn::IfThenZeroElse(sample, g2));
-    });
-    whole = {total(sx), total(sy), total(sz), total(from_samples)};
-    const float room = 1 - total(solid) / Dim;
-    return {total(w) + self_value(item), total(fluid) / (Dim * std::max(room, kLeastRoom)), total(square)};
-  }
-
-  /// Keeps W of a particle's pairs with samples.
-  HWY_INLINE void keep_values(std::uint32_t item, float* values) const {
-    const F d;
-    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
-      hn::StoreU(hn::IfThenElseZero(hn::Lt(motion.d, hn::Zero(d)), kernel_.value(r.r2)), d, values);
-      values += kLanes;
-    });
-  }
-
-  /// Keeps a sample's slopes, and V W of its neighbours.
-  HWY_INLINE void keep_sample(std::uint32_t item, float* slopes, float* values) const {
-    const F d;
-    for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t*) HWY_ATTR {
-      const VF volume = hn::Max(motion.d, hn::Zero(d));
-      hn::StoreU(hn::Mul(volume, r.slope), d, slopes);
-      hn::StoreU(hn::Mul(volume, kernel_.value(r.r2)), d, values);
-      slopes += kLanes, values += kLanes;
-    });
-  }
-
-  /// Flux into a sample over sum V W: V_b sum V_k g (x_k - x_b).(v_k - v_b) / sum V W.
-  HWY_INLINE float sample_flux(std::uint32_t item, float inverse_w, const Flow* flow) const {
-    const Flow& own = flow[item];
-    VF flux = hn::Zero(F());
-    for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
-      const VF volume = hn::Max(motion.d, hn::Zero(F()));
-      flux = hn::MulAdd(hn::Mul(volume, r.slope), closing(own, r, motion), flux);
-    });
-    return -own.volume * inverse_w * total(flux);
-  }
-
-  /// -V_i [ sum V_j g r.(v_i - v_j) + sum_b W_ib flux_b ], fluxes in p of the samples.
-  HWY_INLINE float volume_divergence(std::uint32_t item, const Flow* flow) const {
-    const F d;
-    const Flow& own = flow[item];
-    VF sum = hn::Zero(d);
-    for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
-      sum = hn::MulAdd(hn::Mul(hn::Abs(motion.d), r.slope), closing(own, r, motion), sum);
-      const auto sample = hn::Lt(motion.d, hn::Zero(d));
-      if (!hn::AllFalse(d, sample)) sum = hn::Add(sum, hn::IfThenElseZero(sample, hn::Mul(r.p, kernel_.value(r.r2))));
-    });
-    return -own.volume * total(sum);
-  }
-
- private:
   struct Pair {
     VF x, y, z, r2, slope, p;  // r = x_i - x_j and its square, g, neighbour's pressure
   };
-
-  /// r.(v_i - v_j)
-  HWY_INLINE VF closing(const Flow& own, const Pair& r, const Quad& motion) const {
-    const F d;
-    VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.x), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.z), motion.c), r.z));
-    if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.y), motion.b), r.y, dot);
-    return dot;
-  }
-
-  /// W(0) V, less what the padding of the list (pairs with itself) added.
-  HWY_INLINE float self_value(std::uint32_t item) const {
-    const std::uint32_t count = items_.lists.count[item], padding = (count + kLanes - 1) / kLanes * kLanes - count;
-    const float self = std::abs(items_.record[item].volume) * static_cast<float>(constants_.kernel.value(0));
-    return self * (1.f - static_cast<float>(padding));
-  }
-
-  // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
-  // spray, and below a fifth of the room that solids leave: a pair of drops on a wall, whose samples fill half of what
-  // is around. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
-  static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f, kOpen = 0.9f, kBacked = 0.6f;
-  // Below kOpen air is near; above kBacked, by water alone, it is not a film nor the line where surface and wall meet.
-  static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
 
   template <class Body>
   HWY_INLINE void for_each_neighbour(std::uint32_t item, Body&& body) const {
@@ -318,6 +233,31 @@ class Pairs {
     for (std::uint32_t k = 0; k < count; k += kLanes)
       body(pair(own, list + k), load_transposed(F(), &flow->x, list + k, 4));
   }
+
+  /// W(0) V, less what the padding of the list (pairs with itself) added.
+  HWY_INLINE float self_value(std::uint32_t item) const {
+    const std::uint32_t count = items_.lists.count[item], padding = (count + kLanes - 1) / kLanes * kLanes - count;
+    const float self = std::abs(items_.record[item].volume) * static_cast<float>(constants_.kernel.value(0));
+    return self * (1.f - static_cast<float>(padding));
+  }
+
+  HWY_INLINE VF densities(const std::uint32_t* index) const {
+    if (!constants_.several_densities) return hn::Set(F(), extras_.density[0]);
+    return hn::GatherIndex(F(), extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
+  }
+
+  /// W of vectors of squared distances.
+  HWY_INLINE VF value(VF r2) const { return kernel_.value(r2); }
+
+  static constexpr float kLeastRoom = 0.15f;  // share of its surroundings that solids leave a particle, at least
+
+ private:
+  // -sum V r . grad W is the dimension inside the fluid and about 0.8 of it at a flat surface; below half of it is
+  // spray, and below a fifth of the room that solids leave: a pair of drops on a wall, whose samples fill half of what
+  // is around. With 0.8 the surface's own noise is rectified to pressure and throws particles up.
+  static constexpr float kSpray = 0.5f, kSprayAtWall = 0.2f, kOpen = 0.9f, kBacked = 0.6f;
+  // Below kOpen air is near; above kBacked, by water alone, it is not a film nor the line where surface and wall meet.
+
   HWY_INLINE Pair pair(const Record& own, const std::uint32_t* index) const {
     const Quad place = load_transposed(F(), base_, index, 8);
     Pair r;
@@ -372,10 +312,6 @@ class Pairs {
 
   float density(std::uint32_t item) const {
     return constants_.several_densities ? extras_.density[item] : extras_.density.empty() ? 1.f : extras_.density[0];
-  }
-  HWY_INLINE VF densities(const std::uint32_t* index) const {
-    if (!constants_.several_densities) return hn::Set(F(), extras_.density[0]);
-    return hn::GatherIndex(F(), extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
   }
   /// Mean density of a pair; of a pair with a sample the particle's own, as the sample sees it.
   HWY_INLINE VF pair_density(VF own, const Quad& motion, const std::uint32_t* index) const {

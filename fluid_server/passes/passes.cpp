@@ -12,6 +12,7 @@
 #include "fluid_server/passes/lists-inl.h"
 #include "fluid_server/passes/pairs-inl.h"
 #include "fluid_server/passes/products-inl.h"
+#include "fluid_server/passes/rows-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -86,6 +87,16 @@ void SumAll(const Neighbourhood& items, const PassConstants& constants, float* d
 }
 
 template <int Dim, KernelKind K>
+void EvenAll(const Neighbourhood& items, const PassConstants& constants, Evening* out) {
+  const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
+  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
+                 [&](std::uint32_t begin, std::uint32_t end) {
+                   for (std::uint32_t f = begin; f < end; ++f)
+                     out[items.fluid_item[f]] = evening<Dim>(pairs, items.fluid_item[f]);
+                 });
+}
+
+template <int Dim, KernelKind K>
 void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
   const float per_value = static_cast<float>(1 / constants.kernel.value(spacing));
@@ -99,7 +110,7 @@ void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, d
 template <int Dim, KernelKind K>
 void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
              KeptPairs& kept) {
-  const Pairs<Dim, K> pairs(items, extras, constants);
+  const Rows<Dim, K> rows(items, extras, constants);
   kept.make_room_for_slopes(items, kLanes, constants.threads);
   const auto slopes = [&](std::uint32_t item) {
     return kept.slope.data() + std::size_t{kept.slopes_before[item]} * kLanes;
@@ -108,7 +119,7 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f) {
                      const std::uint32_t item = items.fluid_item[f];
-                     sums[f] = pairs.row_sums(item, slopes(item), kept.sum[f]);
+                     sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
                    }
                  });
   kept.make_room_for_values(items, kLanes, constants.threads);
@@ -119,13 +130,13 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f)
                      if (kept.sum[f].touches_samples)
-                       pairs.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
+                       rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
                  });
   for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t s = begin; s < end; ++s) {
                      const std::uint32_t item = items.sample_item[s];
-                     pairs.keep_sample(item, slopes(item), values(item));
+                     rows.keep_sample(item, slopes(item), values(item));
                    }
                  });
 }
@@ -198,18 +209,18 @@ void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassCo
 template <int Dim, KernelKind K>
 void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
                 float* out) {
-  const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
+  const Rows<Dim, K> rows(items, ItemExtras{}, constants);
   for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t s = begin; s < end; ++s) {
                      const std::uint32_t item = items.sample_item[s];
-                     if (inverse_w[s] > 0) items.record[item].p = pairs.sample_flux(item, inverse_w[s], flow);
+                     if (inverse_w[s] > 0) items.record[item].p = rows.sample_flux(item, inverse_w[s], flow);
                    }
                  });
   for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
                  [&](std::uint32_t begin, std::uint32_t end) {
                    for (std::uint32_t f = begin; f < end; ++f)
-                     out[f] = pairs.volume_divergence(items.fluid_item[f], flow);
+                     out[f] = rows.volume_divergence(items.fluid_item[f], flow);
                  });
 }
 
@@ -246,8 +257,11 @@ void Sum(const Neighbourhood& items, const PassConstants& constants, float* delt
 void Uneven(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
   BALLAST_BY_KERNEL(UnevennessAll, constants.kernel, items, constants, spacing, out);
 }
-void Rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
-          KeptPairs& pairs) {
+void Even(const Neighbourhood& items, const PassConstants& constants, Evening* out) {
+  BALLAST_BY_KERNEL(EvenAll, constants.kernel, items, constants, out);
+}
+void SumRows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, RowSums* sums,
+             KeptPairs& pairs) {
   BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums, pairs);
 }
 void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
@@ -284,7 +298,8 @@ HWY_EXPORT(Accelerate);
 HWY_EXPORT(AccelerateThese);
 HWY_EXPORT(Sum);
 HWY_EXPORT(Uneven);
-HWY_EXPORT(Rows);
+HWY_EXPORT(Even);
+HWY_EXPORT(SumRows);
 HWY_EXPORT(Average);
 HWY_EXPORT(Diagonal);
 HWY_EXPORT(Apply);
@@ -330,6 +345,10 @@ void find_unevenness(const Neighbourhood& items, const PassConstants& constants,
   out.resize(items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Uneven)(items, constants, spacing, out.data());
 }
+void find_evening(const Neighbourhood& items, const PassConstants& constants, std::vector<Evening>& out) {
+  out.resize(items.size() + Neighbourhood::kTail);
+  HWY_DYNAMIC_DISPATCH(Even)(items, constants, out.data());
+}
 void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
               std::vector<RowSums>& sums, KeptPairs& pairs) {
   sums.resize(items.fluid_item.size());
@@ -338,7 +357,7 @@ void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassCo
 #pragma omp parallel for num_threads(constants.threads) schedule(static)
   for (std::size_t i = 0; i < items.record.size(); ++i)
     pairs.point[i] = {items.record[i].x, items.record[i].y, items.record[i].z, 0.f};
-  HWY_DYNAMIC_DISPATCH(Rows)(items, extras, constants, sums.data(), pairs);
+  HWY_DYNAMIC_DISPATCH(SumRows)(items, extras, constants, sums.data(), pairs);
 }
 void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs,
                           std::span<const float> x, std::vector<float>& out) {

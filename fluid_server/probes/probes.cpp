@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ballast::fluid {
 
@@ -14,6 +15,10 @@ struct Near {
   double volume, p, density;
   Vec3 velocity;  // m/s
 };
+
+/// The largest sum of a fit's shares without their signs, by which errors of single velocities grow: 1.3 in the fluid
+/// with second derivatives, and larger the further the field has to be taken on beyond the particles.
+constexpr double kMostShares = 2;
 
 /// Particles within `reach` of the point; along z only if `column` is false.
 std::vector<Near> near(const WcsphFluid& fluid, const Vec3& point, double reach, bool column) {
@@ -30,6 +35,31 @@ std::vector<Near> near(const WcsphFluid& fluid, const Vec3& point, double reach,
       found.push_back({offset, r.volume, r.p, fluid.fluid_of(particles.id[f]).density, {r.vx, r.vy, r.vz}});
   }
   return found;
+}
+
+enum class Fit { kLinear, kQuadratic };
+
+/// Shares of the particles in the value at the point of the field that fits theirs best, weighted by the kernel; none
+/// where they do not determine a quadratic one.
+std::optional<Eigen::RowVectorXd> shares(const std::vector<Near>& found, const Kernel& kernel, Fit order) {
+  const bool quadratic = order == Fit::kQuadratic;
+  // Rows sqrt(w) [1, offset / scale, products of its components]. Where particles do not span all directions (by a
+  // tenth of the support, half of what they do beside a wall) the linear solution of smallest norm leaves those out.
+  const double scale = (quadratic ? 0.25 : 1) * kernel.support;  // 0.25: kernel-weighted rms of an offset's component
+  Eigen::MatrixXd terms(found.size(), quadratic ? 10 : 4);
+  Eigen::RowVectorXd root(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const Vec3 x = found[i].offset / scale;
+    root[row] = std::sqrt(found[i].volume * kernel.value(found[i].offset.norm()));
+    terms.row(row).head<4>() << 1, x.transpose();
+    if (quadratic) terms.row(row).tail<6>() << x.cwiseAbs2().transpose(), x[0] * x[1], x[1] * x[2], x[2] * x[0];
+    terms.row(row) *= root[row];
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
+  fit.setThreshold(quadratic ? 0.02 : 0.1).compute(terms);
+  if (quadratic && fit.rank() < (kernel.dimension == 2 ? 6 : 10)) return std::nullopt;
+  return fit.pseudoInverse().row(0).cwiseProduct(root);
 }
 
 double pressure_error(const WcsphFluid& fluid, std::size_t which) {
@@ -110,18 +140,11 @@ Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point) {
   const Kernel& kernel = fluid.constants().kernel;
   const auto found = near(fluid, point, kernel.support, false);
   if (found.empty()) return Vec3::Zero();
-  // Rows sqrt(w) [1, offset / support] and sqrt(w) v; where particles do not span all directions (by a tenth of the
-  // support, half of what they do beside a wall) the solution of smallest norm leaves those gradients out.
-  Eigen::MatrixXd terms(found.size(), 4), values(found.size(), 3);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const double w = std::sqrt(found[i].volume * kernel.value(found[i].offset.norm()));
-    terms.row(row) << w, (w / kernel.support) * found[i].offset.transpose();
-    values.row(row) = w * found[i].velocity.transpose();
-  }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
-  fit.setThreshold(0.1).compute(terms);
-  return fit.solve(values).row(0).transpose();
+  auto share = shares(found, kernel, Fit::kQuadratic);
+  if (!share || share->lpNorm<1>() > kMostShares) share = shares(found, kernel, Fit::kLinear);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < found.size(); ++i) sum += (*share)[static_cast<Eigen::Index>(i)] * found[i].velocity;
+  return sum;
 }
 
 std::array<double, 7> motion_of(const WcsphFluid& fluid, std::size_t which) {

@@ -21,8 +21,9 @@ double surface_level(const WcsphFluid& fluid, double x, double y);
 /// Kernel mean of the particles' pressure, carried to the point along the hydrostatic gradient, Pa; 0 away from fluid.
 double pressure_at(const WcsphFluid& fluid, const Vec3& point);
 
-/// Value at the point of the linear field that fits the particles' velocities best, weighted by the kernel, m/s: exact
-/// for linear fields also beside walls, where a mean would lag behind; 0 away from fluid.
+/// Value at the point of the quadratic field that fits the particles' velocities best, weighted by the kernel, m/s:
+/// exact for quadratic fields, where a mean or a linear one would take the top off a profile. Where particles are on
+/// one side only, of the linear one: exact for linear fields also beside walls. 0 away from fluid.
 Vec3 velocity_at(const WcsphFluid& fluid, const Vec3& point);
 
 /// Momentum, angular momentum about the origin and largest speed of the fluid `which` of the scene; SI units.

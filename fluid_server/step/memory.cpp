@@ -48,7 +48,7 @@ std::size_t Response::memory() const {
 std::size_t WcsphFluid::memory() const {
   return (implicit_ ? implicit_->memory() : 0) + (shifting_ ? shifting_->memory() : 0) + bytes_of(particles_) +
          bytes_of(before_) + samples_->memory() + items_->memory() + response_->memory() + barrier_->memory() +
-         sum_of(extras_.normal, extras_.viscous, extras_.density, pressure_, acceleration_, sums_);
+         sum_of(extras_.normal, extras_.viscous, extras_.evening, extras_.density, pressure_, acceleration_, sums_);
 }
 
 }  // namespace ballast::fluid

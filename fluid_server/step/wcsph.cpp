@@ -49,6 +49,10 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     for (std::size_t f = 0; f < particles_.size(); ++f)
       particles_.record[f].p = items_->record[items_->fluid_item[f]].p = pressure_[f];
   }
+  if (constants_.viscous) {
+    const AddingWatch watch(times_.motion);
+    find_evening(*items_, constants_, extras_.evening);
+  }
   items_->searches.add(order_kept, times_.sort + times_.pressure - searching_since);
   if (constants_.ram_on_samples) {
     const AddingWatch watch(times_.boundary);

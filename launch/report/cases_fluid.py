@@ -227,9 +227,6 @@ FINE = np.linspace(0, 1, 101)
 CHANNEL = Case(
     id="F3",
     title="Start-up of channel flow",
-    why="the order of Poiseuille flow since 1/16 is 1.2 at 1/32 and 0.7 at 1/64, with both solvers: 0.14, 0.058, 0.049 %. Kernel sums are normalised on a square lattice; where rows of particles "
-    "have slid past each other (by up to half a spacing beside the walls) they give up to 0.25 % less viscosity, at every spacing",
-    order_why="as above. Couette flow, whose steady profile does not depend on viscosity, has an order of 1.9",
     scene="report/channel",
     about="A viscous fluid between two planes is set in motion by a body force (Poiseuille) or by the upper plane (Couette); speed at five "
     "heights and seven times. The walls are at their true place.",

@@ -224,7 +224,6 @@ SPHERES = Case(
     source="A.A. Zick and G.M. Homsy, J. Fluid Mech. 115 (1982) 13-26: K = 2.008",
     resolutions=(("coarse", 0.0224), ("10s", 0.0168), ("1min", 0.0112), ("10min", 0.0064)),  # parts of the edge
     measures=(Measure("speed", "%", lambda r: abs(settling(r) - 1), (0.08, 0.04, 0.02)),),
-    methods=("wcsph",),
     chart=Chart(
         "t (s)",
         "speed against the mean of the box (m/s)",

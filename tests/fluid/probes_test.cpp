@@ -37,6 +37,25 @@ TEST_P(Turning, VelocityIsExactInsideAndAtAnEdge) {
   }
 }
 
+TEST_P(Turning, VelocityOfAParabolaIsExactInsideAndNearAtAWall) {
+  // A linear fit takes the top off, by half of the curvature (2) times 0.6 spacings squared; at the wall it is one.
+  Scene scene;
+  scene.world.spacing = 0.05;
+  scene.world.dimension = GetParam();
+  scene.numerics.sound_speed = 20;
+  scene.numerics.relax = false;
+  Fluid water;
+  water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
+  scene.fluids = {water};
+  const auto fluid = *WcsphFluid::make(scene, *make_bodies(scene), 1);
+  for (Record& r : const_cast<Particles&>(fluid->particles()).record) {
+    const double z = fluid->coordinates().to_metres(r.x, r.y, r.z)[2];
+    r.vx = static_cast<float>(z * (1 - z));
+  }
+  for (const double z : {0.15, 0.31, 0.5, 0.72}) EXPECT_NEAR(velocity_at(*fluid, {0.5, 0, z})[0], z * (1 - z), 1e-6);
+  for (const double z : {0.0, 0.02}) EXPECT_NEAR(velocity_at(*fluid, {0.5, 0, z})[0], z * (1 - z), 0.05 * 0.05);
+}
+
 TEST_P(Turning, AProbeMovesWithAModel) {
   Scene scene;
   scene.models = {Model{}, Model{}};
