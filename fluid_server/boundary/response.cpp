@@ -71,6 +71,7 @@ float Response::mirror(float depth, float height) const {
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
+  if (constants.viscous) gather_viscous(items, extras, constants, viscous_);
   resize_gently(wet_, sums.size());
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::size_t s = 0; s < sums.size(); ++s) {
@@ -98,17 +99,18 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
     wet.area = -volume * Eigen::Vector3f::Map(sum.g);
     wet.force = -volume * Eigen::Vector3f::Map(sum.pg);
     if (constants.viscous) {
+      const ViscousSums& viscous = viscous_[s];
       const Eigen::Vector3f normal = q.cast<float>() * samples_.normal[sample], depth = samples_.depth[sample] * normal;
       const Eigen::Vector3f spin = Vec3::Map(state.angular_velocity).cast<float>();
       const Eigen::Vector3f surface = Eigen::Vector3f(record.vx, record.vy, record.vz) + spin.cross(depth);
-      const float height = -normal.dot(Eigen::Vector3f::Map(sum.wd)) / sum.w - samples_.depth[sample];
+      const float height = -normal.dot(Eigen::Vector3f::Map(viscous.wd)) / sum.w - samples_.depth[sample];
       wet.mirror = mirror(samples_.depth[sample], height);
-      const Eigen::Vector3f seen = surface + wet.mirror * (surface - Eigen::Vector3f::Map(sum.wv) / sum.w);
+      const Eigen::Vector3f seen = surface + wet.mirror * (surface - Eigen::Vector3f::Map(viscous.wv) / sum.w);
       extras.viscous[item] = {seen[0], seen[1], seen[2], -1.f};
-      const Eigen::Vector3f drag = volume * (sum.a * seen - Eigen::Vector3f::Map(sum.av));
+      const Eigen::Vector3f drag = volume * (viscous.a * seen - Eigen::Vector3f::Map(viscous.av));
       wet.force += drag;
       // Both act at the surface; the pairs' sum is mu du/dn and lacks mu (grad u)^T n, which is mu n x spin on a body.
-      const Eigen::Vector3f turned = -volume * spin.cross(Eigen::Vector3f::Map(sum.ar));
+      const Eigen::Vector3f turned = -volume * spin.cross(Eigen::Vector3f::Map(viscous.ar));
       wet.couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
     }
   }
@@ -126,7 +128,7 @@ double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleS
     for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(arm);
     // What a sample is taken to move at changes more than it does: v + mirror (v - v_fluid).
     drag[samples_.body[sample]] -=
-        (1 + wet_[s].mirror) * samples_.volume[sample] * sums[s].a * velocity.transpose() * velocity;
+        (1 + wet_[s].mirror) * samples_.volume[sample] * viscous_[s].a * velocity.transpose() * velocity;
   }
   double fastest = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {

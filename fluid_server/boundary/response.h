@@ -130,6 +130,7 @@ class Response {
   std::vector<Vec3> buoyancy_;
   std::unique_ptr<Seepage> films_;
   std::vector<Wet> wet_;                  // samples near fluid, in item order
+  std::vector<ViscousSums> viscous_;      // the same; viscous fluids only
   std::vector<std::uint32_t> at_;         // by sample: its place in wet_, if that one names it
   Scheme scheme_ = Scheme::kInterlinked;  // of the last solve
   std::vector<exchange::Wrench> wrenches_;

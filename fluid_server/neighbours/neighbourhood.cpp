@@ -7,6 +7,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "fluid_server/neighbours/resize.h"
+
 namespace ballast::fluid {
 
 namespace {
@@ -33,23 +35,20 @@ Neighbourhood::Neighbourhood(const Coordinates& coordinates, double support, int
                   whole_cells(extent[2], size)};
   cells_.periodic = coordinates.periodic;
   const std::size_t n = cells_.cells();
-  start_.resize(n + cells_.rows());
-  start_fluid_.resize(n + cells_.rows());
-  fluid_count_.resize(n);
-  moving_count_.assign(n, 0);
   static_start_.assign(n + 1, 0);
   histogram_.resize(static_cast<std::size_t>(std::min(threads, 8)));
-  for (auto& h : histogram_) h.assign(n, 0);
   row_touched_.assign(histogram_.size(), std::vector<std::uint8_t>(cells_.rows(), 0));
   row_filled_.assign(cells_.rows(), 0);
   row_fluid_.resize(cells_.rows());
   row_all_.resize(cells_.rows());
+  row_counts_.resize(cells_.rows());
+  row_place_.resize(cells_.rows());
   occupied_.resize(static_cast<std::size_t>(cells_.rows()) * cells_.blocks_x());
   active_.resize(occupied_.size());
-  lists.buffer.resize(static_cast<std::size_t>(threads));
 }
 
 void Neighbourhood::set_static_samples(std::span<const Record> samples) {
+  fixed_ = samples;
   std::vector<std::uint32_t> cell(samples.size());
   std::fill(static_start_.begin(), static_start_.end(), 0);
   for (std::size_t s = 0; s < samples.size(); ++s) {
@@ -58,12 +57,9 @@ void Neighbourhood::set_static_samples(std::span<const Record> samples) {
   }
   for (std::size_t c = 1; c < static_start_.size(); ++c) static_start_[c] += static_start_[c - 1];
   std::vector<std::uint32_t> cursor(static_start_.begin(), static_start_.end() - 1);
-  static_record_.resize(samples.size());
   static_source_.resize(samples.size());
   for (std::size_t s = 0; s < samples.size(); ++s) {
-    const std::uint32_t at = cursor[cell[s]]++;
-    static_record_[at] = samples[s];
-    static_source_[at] = static_cast<std::uint32_t>(s);
+    static_source_[cursor[cell[s]]++] = static_cast<std::uint32_t>(s);
   }
 }
 
@@ -71,7 +67,8 @@ void Neighbourhood::rebuild(const Particles& before, Particles& after, std::span
                             std::uint32_t first_moving) {
   if (lists.valid && keep_order(before, after, moving, first_moving)) return;
   decide_to_measure();
-  count_particles(before);
+  find_rows(before);
+  count_particles();
   total_rows();
   activate_rows();
   count_moving(moving);
@@ -94,7 +91,7 @@ void Neighbourhood::decide_to_measure() {
 
 void Neighbourhood::count_kept(std::uint64_t made_again) {
   searches.lists += size(), searches.made_again += made_again;
-  const auto total = [](const std::vector<std::size_t>& used) {
+  const auto total = [](const std::vector<std::uint32_t>& used) {
     return std::accumulate(used.begin(), used.end(), std::size_t{0});
   };
   if (made_again > size() / 2) {  // hardly less work than a search
@@ -123,7 +120,7 @@ double Neighbourhood::largest_move(const Particles& before, std::span<const Reco
   for (std::size_t s = 0; s < moving.size(); ++s) {
     if (cell_of_moving(moving[s]) != moving_cell_[s])
       largest2 = HUGE_VAL;
-    else if (moving_cell_[s] != ~0u)
+    else if (moving_cell_[s] != kNone)
       largest2 = std::max(largest2, check(moving[s], moving_item_[s]));
   }
   return std::sqrt(largest2);
@@ -149,33 +146,45 @@ bool Neighbourhood::keep_order(const Particles& before, Particles& after, std::s
       if (row_filled_[row]) put_static(row);
 #pragma omp for schedule(static)
     for (std::size_t s = 0; s < moving.size(); ++s)
-      if (moving_cell_[s] != ~0u)
+      if (moving_cell_[s] != kNone)
         put(moving_item_[s], moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
   }
   return true;
 }
 
-void Neighbourhood::count_particles(const Particles& before) {
+void Neighbourhood::find_rows(const Particles& before) {
   const int blocks = static_cast<int>(histogram_.size());
+  const std::uint32_t nx = cells_.count[0];
   cell_of_.resize(before.size());
 #pragma omp parallel for num_threads(threads_) schedule(static, 1)
   for (int t = 0; t < blocks; ++t) {
-    auto& histogram = histogram_[static_cast<std::size_t>(t)];
     auto& touched = row_touched_[static_cast<std::size_t>(t)];
-    const std::uint32_t nx = cells_.count[0];
-    for (std::size_t row = 0; row < touched.size(); ++row) {
-      if (!touched[row]) continue;
-      std::memset(histogram.data() + row * nx, 0, nx * sizeof(std::uint32_t));
-      touched[row] = 0;
-    }
+    std::fill(touched.begin(), touched.end(), 0);
     const std::size_t end = block_begin(before.size(), t + 1, blocks);
     for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
       const Record& r = before.record[f];
-      const std::uint32_t row = cells_.row(r.y, r.z), c = row * nx + Cells::along(r.x, nx);
-      cell_of_[f] = c;
+      const std::uint32_t row = cells_.row(r.y, r.z);
+      cell_of_[f] = row * nx + Cells::along(r.x, nx);
       touched[row] = 1;
-      ++histogram[c];
     }
+  }
+  std::uint32_t found = 0;
+  for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
+    const bool any = std::any_of(row_touched_.begin(), row_touched_.end(), [row](const auto& t) { return t[row]; });
+    row_counts_[row] = any ? found++ : kNone;
+  }
+  resize_gently(fluid_count_, std::size_t{found} * nx);
+  for (auto& histogram : histogram_) resize_gently(histogram, fluid_count_.size());
+}
+
+void Neighbourhood::count_particles() {
+  const int blocks = static_cast<int>(histogram_.size());
+#pragma omp parallel for num_threads(threads_) schedule(static, 1)
+  for (int t = 0; t < blocks; ++t) {
+    auto& histogram = histogram_[static_cast<std::size_t>(t)];
+    std::fill(histogram.begin(), histogram.end(), 0);
+    const std::size_t end = block_begin(cell_of_.size(), t + 1, blocks);
+    for (std::size_t f = block_begin(cell_of_.size(), t, blocks); f < end; ++f) ++histogram[count_at(cell_of_[f])];
   }
 }
 
@@ -185,13 +194,11 @@ void Neighbourhood::total_rows() {
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint32_t total = 0;
     row_fluid_[row] = 0;
-    if (std::none_of(row_touched_.begin(), row_touched_.end(), [row](const auto& touched) { return touched[row]; }))
-      continue;
-    for (auto& touched : row_touched_) touched[row] = 1;  // offsets will stand there
+    if (row_counts_[row] == kNone) continue;
     std::uint8_t* occupied = occupied_.data() + static_cast<std::size_t>(row) * blocks_x;
     std::memset(occupied, 0, blocks_x);
     for (std::uint32_t cx = 0; cx < nx; ++cx) {
-      const std::size_t c = static_cast<std::size_t>(row) * nx + cx;
+      const std::size_t c = std::size_t{row_counts_[row]} * nx + cx;
       std::uint32_t here = 0;
       for (auto& histogram : histogram_) {  // each thread's offset within the cell
         const std::uint32_t count = histogram[c];
@@ -239,6 +246,7 @@ void Neighbourhood::activate_rows() {
       }
     }
     row_all_[row] = 0;
+    row_place_[row] = any ? 0 : kNone;
     if (!any) continue;
     std::uint32_t all = row_fluid_[row];
     for (std::uint32_t b = 0; b < cells_.blocks_x(); ++b) {
@@ -249,26 +257,33 @@ void Neighbourhood::activate_rows() {
     }
     row_all_[row] = all;
   }
+  std::uint32_t found = 0;
+  for (std::uint32_t& place : row_place_)
+    if (place != kNone) place = found++;
+  resize_gently(start_, std::size_t{found} * (nx + 1));
+  resize_gently(start_fluid_, start_.size());
+  resize_gently(moving_count_, std::size_t{found} * nx);
+  std::fill(moving_count_.begin(), moving_count_.end(), 0);
 }
 
 void Neighbourhood::count_moving(std::span<const Record> moving) {
-  // moving_count_ is all zero here: scatter() counted it down
   moving_cell_.resize(moving.size());
   moving_item_.resize(moving.size());
   for (std::size_t s = 0; s < moving.size(); ++s) {
     moving_cell_[s] = cell_of_moving(moving[s]);
-    if (moving_cell_[s] == ~0u) continue;
-    ++moving_count_[moving_cell_[s]];
-    ++row_all_[moving_cell_[s] / cells_.count[0]];
+    if (moving_cell_[s] == kNone) continue;
+    const std::uint32_t nx = cells_.count[0], row = moving_cell_[s] / nx;
+    ++moving_count_[place_of(row) * nx + moving_cell_[s] % nx];
+    ++row_all_[row];
   }
 }
 
-/// ~0u if no particle can have it within the support.
+/// kNone if no particle can have it within the support.
 std::uint32_t Neighbourhood::cell_of_moving(const Record& r) const {
-  if (r.volume == 0) return ~0u;  // outside the domain
+  if (r.volume == 0) return kNone;  // outside the domain
   const std::uint32_t row = cells_.row(r.y, r.z), cx = Cells::along(r.x, cells_.count[0]);
   const bool active = active_[static_cast<std::size_t>(row) * cells_.blocks_x() + cx / Cells::kFine];
-  return active ? row * cells_.count[0] + cx : ~0u;
+  return active ? row * cells_.count[0] + cx : kNone;
 }
 
 void Neighbourhood::put(std::uint32_t item, const Record& r, std::uint32_t from) {
@@ -299,16 +314,15 @@ void Neighbourhood::place_rows() {
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     if (!row_filled_[row]) continue;
     std::uint32_t item = row_all_[row], particle = row_fluid_[row];
-    const bool any_fluid =
-        std::any_of(row_touched_.begin(), row_touched_.end(), [row](const auto& t) { return t[row]; });
+    const bool any_fluid = row_counts_[row] != kNone;
     const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
-    const std::size_t first = static_cast<std::size_t>(row) * (nx + 1);
+    const std::size_t place = place_of(row), first = place * (nx + 1);
     for (std::uint32_t cx = 0; cx < nx; ++cx) {
       const std::size_t c = static_cast<std::size_t>(row) * nx + cx;
       start_[first + cx] = item;
       start_fluid_[first + cx] = particle;
-      const std::uint32_t here = any_fluid ? fluid_count_[c] : 0;
-      item += here + moving_count_[c];
+      const std::uint32_t here = any_fluid ? fluid_count_[std::size_t{row_counts_[row]} * nx + cx] : 0;
+      item += here + moving_count_[place * nx + cx];
       particle += here;
       if (active[cx / Cells::kFine]) item += static_start_[c + 1] - static_start_[c];
     }
@@ -324,11 +338,11 @@ void Neighbourhood::put_static(std::uint32_t row) {
   const std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
   for (std::uint32_t cx = 0; cx < nx; ++cx) {
     if (!active[cx / Cells::kFine]) continue;
-    const std::size_t c = static_cast<std::size_t>(row) * nx + cx, at = c + row;
+    const std::size_t c = static_cast<std::size_t>(row) * nx + cx, at = place_of(row) * (nx + 1) + cx;
     const std::uint32_t particle = start_fluid_[at + 1];
     std::uint32_t item = start_[at] + particle - start_fluid_[at];
     for (std::uint32_t s = static_start_[c]; s < static_start_[c + 1]; ++s, ++item) {
-      put(item, static_record_[s], kSample | static_source_[s]);
+      put(item, fixed_[static_source_[s]], kSample | static_source_[s]);
       sample_item[item - particle] = item;
     }
   }
@@ -345,8 +359,9 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
     auto& cursor = histogram_[static_cast<std::size_t>(t)];
     const std::size_t end = block_begin(before.size(), t + 1, blocks);
     for (std::size_t f = block_begin(before.size(), t, blocks); f < end; ++f) {
-      const std::uint32_t c = cell_of_[f], rank = cursor[c]++;
-      const std::uint32_t first = c + c / nx, to = start_fluid_[first] + rank, item = start_[first] + rank;
+      const std::uint32_t c = cell_of_[f], rank = cursor[count_at(c)]++;
+      const std::size_t first = start_at(c);
+      const std::uint32_t to = start_fluid_[first] + rank, item = start_[first] + rank;
       before.for_each_field([&](auto field) { (after.*field)[to] = (before.*field)[f]; });
       put(item, before.record[f], to);
       fluid_item[to] = item;
@@ -354,8 +369,9 @@ void Neighbourhood::scatter(const Particles& before, Particles& after, std::span
   }
   for (std::size_t s = moving.size(); s-- > 0;) {  // backwards: the count left is the rank
     const std::uint32_t c = moving_cell_[s];
-    if (c == ~0u) continue;
-    const std::uint32_t end = c + c / nx + 1, item = start_[end] - 1 - (--moving_count_[c]);
+    if (c == kNone) continue;
+    const std::size_t end = start_at(c) + 1;
+    const std::uint32_t item = start_[end] - 1 - (--moving_count_[place_of(c / nx) * nx + c % nx]);
     moving_item_[s] = item;
     put(item, moving[s], kSample | (first_moving + static_cast<std::uint32_t>(s)));
     sample_item[item - start_fluid_[end]] = item;

@@ -34,24 +34,21 @@ struct Cells {
 /// item with itself contributes nothing to any sum). Chunks of items are built by whichever thread is free.
 struct Lists {
   static constexpr std::uint32_t kPad = 16, kChunk = 256;
-  std::vector<std::vector<std::uint32_t>> buffer;  ///< one per thread
-  std::vector<std::uint32_t> buffer_of_chunk;
-  std::vector<std::uint32_t> start;  ///< per item, in its chunk's buffer
-  std::vector<std::uint16_t> count;  ///< per item, without padding
+  std::vector<std::vector<std::uint32_t>> buffer;  ///< one per chunk
+  std::vector<std::uint32_t> start;                ///< per item, in its chunk's buffer
+  std::vector<std::uint16_t> count;                ///< per item, without padding
 
   // Lists may be kept as long as no item has left its cell: the order of the items is the same then, and so is a list
   // while no pair has crossed the support.
   std::vector<float> good_until;    ///< per item, m: its list is the same until twice `moved` reaches that
   std::vector<std::uint8_t> group;  ///< at the first item of each group that shares windows: how many items it has
-  std::vector<std::size_t> used;    ///< per buffer, entries
+  std::vector<std::uint32_t> used;  ///< per chunk, entries of its buffer
   std::size_t used_at_first = 0;    ///< of all buffers, when the lists were built
   double moved = 0;                 ///< no item is farther from where it was when lists were built, m
   bool measure = false;             ///< building them finds `good_until`
   bool valid = false;               ///< they are those of this order, and `good_until` is known
 
-  const std::uint32_t* of(std::uint32_t item) const {
-    return buffer[buffer_of_chunk[item / kChunk]].data() + start[item];
-  }
+  const std::uint32_t* of(std::uint32_t item) const { return buffer[item / kChunk].data() + start[item]; }
 };
 
 /// How often searching for neighbours was skipped, and what the rest took.
@@ -72,7 +69,7 @@ class Neighbourhood {
   /// `support` = H, m. Every periodic axis must be at least three supports long (checked by the scene).
   Neighbourhood(const Coordinates& coordinates, double support, int dimension, int threads);
 
-  /// Samples that never move. Sample indices in `source` are those of this span.
+  /// Samples that never move, and that outlive this. Sample indices in `source` are those of this span.
   void set_static_samples(std::span<const Record> samples);
 
   /// Sorts `before` into `after` (same size, both resized by the caller's first use) and gathers the items: all
@@ -85,10 +82,10 @@ class Neighbourhood {
   const Cells& cells() const { return cells_; }
   const Coordinates& coordinates() const { return coordinates_; }
   std::size_t memory() const;  ///< bytes of all its arrays, lists included
-  /// First item of each cell, and the end of the row: count[0] + 1 entries a row; meaningless in rows that are not
-  /// filled.
-  std::span<const std::uint32_t> cell_start() const { return start_; }
-  bool row_filled(std::size_t row) const { return row_filled_[row]; }
+  /// First item of each of a row's cells, and the end of the row: count[0] + 1 entries; null where it has no items.
+  const std::uint32_t* cell_starts(std::size_t row) const {
+    return row_filled_[row] ? start_.data() + place_of(row) * (cells_.count[0] + 1) : nullptr;
+  }
 
   // Items, in cell order; x, y, z, record and source have kTail entries more so that vectors may read past the end.
   static constexpr std::uint32_t kTail = 64;
@@ -110,30 +107,47 @@ class Neighbourhood {
   void decide_to_measure();
   std::uint32_t cell_of_moving(const Record& r) const;
   void put_static(std::uint32_t row);
-  void count_particles(const Particles& before);
+  void find_rows(const Particles& before);
+  void count_particles();
   void total_rows();
   void activate_rows();
   void count_moving(std::span<const Record> moving);
   void place_rows();
   void scatter(const Particles& before, Particles& after, std::span<const Record> moving, std::uint32_t first_moving);
   void put(std::uint32_t item, const Record& r, std::uint32_t from);
+  static constexpr std::uint32_t kNone = ~0u;
+  std::size_t place_of(std::size_t row) const { return row_place_[row]; }
+  /// Where a cell stands in what is kept per cell of some rows.
+  std::size_t count_at(std::uint32_t cell) const {
+    const std::uint32_t nx = cells_.count[0], row = cell / nx;
+    return std::size_t{row_counts_[row]} * nx + cell % nx;
+  }
+  std::size_t start_at(std::uint32_t cell) const {
+    const std::uint32_t nx = cells_.count[0], row = cell / nx;
+    return place_of(row) * (nx + 1) + cell % nx;
+  }
 
   Coordinates coordinates_;
   Cells cells_;
   int threads_;
-  // per cell
-  std::vector<std::uint32_t> start_, start_fluid_, fluid_count_, moving_count_, static_start_;
-  std::vector<std::vector<std::uint32_t>> histogram_;  // per sorting thread and cell
-  // per row; most rows of a domain with room for splashes are empty and cost nothing
-  std::vector<std::uint32_t> row_fluid_, row_all_;
+  // Per row. Most rows of a domain with room for splashes are empty: only those with particles, and those beside them,
+  // have room for their cells. kNone: has none.
+  std::vector<std::uint32_t> row_fluid_, row_all_;      // items there and, from place_rows() on, before it
+  std::vector<std::uint32_t> row_counts_, row_place_;   // which of the rows with particles, of those beside too
   std::vector<std::uint8_t> row_filled_;                // has items
-  std::vector<std::vector<std::uint8_t>> row_touched_;  // per sorting thread: its histogram may be non-zero there
+  std::vector<std::vector<std::uint8_t>> row_touched_;  // per sorting thread: has particles of it
+  // per cell of the rows with particles
+  std::vector<std::vector<std::uint32_t>> histogram_;  // per sorting thread
+  std::vector<std::uint32_t> fluid_count_;
+  // per cell of these and the rows beside them; the first two with an entry more a row
+  std::vector<std::uint32_t> start_, start_fluid_, moving_count_;
+  std::vector<std::uint32_t> static_start_;  // per cell
   // per block (row, kFine cells)
   std::vector<std::uint8_t> occupied_, active_;
   std::vector<std::uint32_t> cell_of_;                    // of particles before
-  std::vector<std::uint32_t> moving_cell_, moving_item_;  // of moving samples; ~0u: inactive
-  std::vector<Record> static_record_;
-  std::vector<std::uint32_t> static_source_;
+  std::vector<std::uint32_t> moving_cell_, moving_item_;  // of moving samples; kNone: inactive
+  std::span<const Record> fixed_;
+  std::vector<std::uint32_t> static_source_;  // in the order of their cells
   // searches until lists are measured again, and how many those are after lists that could not be kept
   std::uint32_t wait_ = 0, pause_ = 0;
   bool was_kept_ = false;  // the lists at hand have been kept once

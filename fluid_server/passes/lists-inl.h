@@ -6,8 +6,6 @@
 #else
 #define BALLAST_LISTS_INL_H_
 #endif
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,9 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace ballast::fluid {
 namespace HWY_NAMESPACE {
-
-HWY_INLINE std::uint32_t thread_index() { return static_cast<std::uint32_t>(omp_get_thread_num()); }
-HWY_INLINE std::uint32_t thread_count() { return static_cast<std::uint32_t>(omp_get_num_threads()); }
 
 template <int Dim>
 class ListBuilder {
@@ -36,24 +31,24 @@ class ListBuilder {
         nx_(static_cast<int>(items.cells().count[0])) {}
 
   /// Lists of items begin .. result (in the same row and near each other along x).
-  std::uint32_t build_group(std::uint32_t begin, std::uint32_t end, Lists& lists, std::uint32_t buffer,
-                            std::size_t& used) const {
+  std::uint32_t build_group(std::uint32_t begin, std::uint32_t end, Lists& lists, std::uint32_t chunk) const {
     const std::uint32_t row = row_of(begin);
     const int first = cell_x(begin);
     std::uint32_t next = begin + 1;
     for (; next < end && next - begin < kGroup; ++next)
       if (row_of(next) != row || cell_x(next) > first + static_cast<int>(Cells::kFine)) break;
     Windows windows = find_windows(row, first, cell_x(next - 1));
-    reserve(lists.buffer[buffer], used, next - begin, windows);
-    for (std::uint32_t i = begin; i < next; ++i) add_list(i, windows, lists, buffer, used);
+    std::uint32_t used = lists.used[chunk];
+    reserve(lists.buffer[chunk], used, next - begin, windows);
+    for (std::uint32_t i = begin; i < next; ++i) add_list(i, windows, lists, chunk, used);
+    lists.used[chunk] = used;
     if (lists.measure) lists.group[begin] = static_cast<std::uint8_t>(next - begin);
     return next;
   }
 
   /// The same where lists are kept: only those whose pairs may have changed are made again, behind the others of their
-  /// buffer if they have become too long for their place. Adds to their number.
-  std::uint32_t mend_group(std::uint32_t begin, Lists& lists, std::uint32_t buffer, std::size_t& used,
-                           std::uint64_t& made_again) const {
+  /// chunk if they have become too long for their place. Adds to their number.
+  std::uint32_t mend_group(std::uint32_t begin, Lists& lists, std::uint32_t chunk, std::uint64_t& made_again) const {
     const std::uint32_t next = begin + lists.group[begin];
     const float moved = static_cast<float>(2 * lists.moved);
     const auto outdated = [&](std::uint32_t i) { return lists.good_until[i] <= moved; };
@@ -61,18 +56,20 @@ class ListBuilder {
     while (i < next && !outdated(i)) ++i;
     if (i == next) return next;
     const Windows windows = find_windows(row_of(begin), cell_x(begin), cell_x(next - 1));
-    reserve(lists.buffer[buffer], used, next - begin, windows);
+    std::uint32_t used = lists.used[chunk];
+    reserve(lists.buffer[chunk], used, next - begin, windows);
     for (; i < next; ++i) {
       if (!outdated(i)) continue;
       ++made_again;
       const std::uint32_t place = lists.start[i], room = padded(lists.count[i]);
-      add_list(i, windows, lists, buffer, used);
+      add_list(i, windows, lists, chunk, used);
       if (padded(lists.count[i]) > room) continue;
-      auto& out = lists.buffer[buffer];
+      auto& out = lists.buffer[chunk];
       std::copy_n(out.data() + lists.start[i], padded(lists.count[i]), out.data() + place);
       used = lists.start[i];
       lists.start[i] = place;
     }
+    lists.used[chunk] = used;
     return next;
   }
 
@@ -104,8 +101,8 @@ class ListBuilder {
     out.resize(out.capacity());
   }
 
-  void add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t buffer, std::size_t& used) const {
-    std::uint32_t* list = lists.buffer[buffer].data() + used;
+  void add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t chunk, std::uint32_t& used) const {
+    std::uint32_t* list = lists.buffer[chunk].data() + used;
     const bool sample = items_.source[i] & Neighbourhood::kSample;
     float room = 0;
     std::uint32_t n;
@@ -115,7 +112,7 @@ class ListBuilder {
     } else {
       n = sample ? filter<true, false>(i, windows, list, room) : filter<false, false>(i, windows, list, room);
     }
-    lists.start[i] = static_cast<std::uint32_t>(used);
+    lists.start[i] = used;
     lists.count[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(n, 65535));
     const hn::CappedTag<std::uint32_t, 16> u;
     for (std::uint32_t k = 0; k < Lists::kPad; k += static_cast<std::uint32_t>(hn::MaxLanes(u)))
@@ -157,9 +154,8 @@ class ListBuilder {
   }
 
   void add_window(int row, int first, int last, Windows& windows) const {
-    if (!items_.row_filled(static_cast<std::size_t>(row))) return;
-    const std::uint32_t* start =
-        items_.cell_start().data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx_ + 1);
+    const std::uint32_t* start = items_.cell_starts(static_cast<std::size_t>(row));
+    if (!start) return;
     const Window w{start[first], start[last + 1]};
     if (w.begin < w.end) windows.of[windows.count++] = w;
   }
@@ -221,15 +217,19 @@ class ListBuilder {
   int nx_;
 };
 
-/// Calls group(first item) for the groups of a chunk, which does what there is to do and returns the item behind it,
-/// and `then` with the items of each.
+/// Calls group(chunk, first item, end of the chunk) for the groups of all chunks, which does what there is to do and
+/// returns the item behind it, and `then` with the items of each.
 template <class Group, class Then>
-void for_each_group(std::uint32_t chunk, std::uint32_t size, Group&& group, Then&& then) {
-  const std::uint32_t end = std::min(size, (chunk + 1) * Lists::kChunk);
-  for (std::uint32_t begin = chunk * Lists::kChunk; begin < end;) {
-    const std::uint32_t next = group(begin, end);
-    then(begin, next);
-    begin = next;
+void for_each_group(std::uint32_t size, int threads, Group&& group, Then&& then) {
+  const std::uint32_t chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
+  for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
+    const std::uint32_t end = std::min(size, (chunk + 1) * Lists::kChunk);
+    for (std::uint32_t begin = chunk * Lists::kChunk; begin < end;) {
+      const std::uint32_t next = group(chunk, begin, end);
+      then(begin, next);
+      begin = next;
+    }
   }
 }
 
@@ -240,49 +240,32 @@ void SearchAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int thread
   const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
   lists.start.resize(size);
   lists.count.resize(size);
-  lists.buffer_of_chunk.resize(chunks);
+  if (lists.buffer.size() < chunks) lists.buffer.resize(chunks);
   if (lists.measure) lists.good_until.resize(size), lists.group.resize(size);
-  lists.used.assign(lists.buffer.size(), 0);
+  lists.used.assign(chunks, 0);
   lists.moved = 0;
-#pragma omp parallel num_threads(threads)
-  {
-    const std::uint32_t self = thread_index();
-    std::size_t used = 0;
-#pragma omp for schedule(dynamic, 1)
-    for (std::uint32_t c = 0; c < chunks; ++c) {
-      lists.buffer_of_chunk[c] = self;
-      for_each_group(
-          c, size,
-          [&](std::uint32_t begin, std::uint32_t end) { return builder.build_group(begin, end, lists, self, used); },
-          then);
-    }
-    lists.used[self] = used;
-  }
+  for_each_group(
+      size, threads,
+      [&](std::uint32_t chunk, std::uint32_t begin, std::uint32_t end) {
+        return builder.build_group(begin, end, lists, chunk);
+      },
+      then);
   lists.used_at_first = std::accumulate(lists.used.begin(), lists.used.end(), std::size_t{0});
   lists.valid = lists.measure;
 }
 
-/// The same where lists are kept: each thread looks after the chunks of its buffer.
+/// The same where lists are kept: how many were made again.
 template <int Dim, class Then>
 std::uint64_t MendAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
   Lists& lists = items.lists;
-  const std::uint32_t size = items.size();
-  std::uint64_t made_again = 0;
-#pragma omp parallel num_threads(threads) reduction(+ : made_again)
-  for (std::uint32_t buffer = thread_index(); buffer < lists.buffer.size(); buffer += thread_count()) {
-    std::size_t used = lists.used[buffer];
-    for (std::uint32_t c = 0; c < lists.buffer_of_chunk.size(); ++c) {
-      if (lists.buffer_of_chunk[c] != buffer) continue;
-      for_each_group(
-          c, size,
-          [&](std::uint32_t begin, std::uint32_t) {
-            return builder.mend_group(begin, lists, buffer, used, made_again);
-          },
-          then);
-    }
-    lists.used[buffer] = used;
-  }
-  return made_again;
+  std::vector<std::uint64_t> made_again(lists.used.size(), 0);
+  for_each_group(
+      items.size(), threads,
+      [&](std::uint32_t chunk, std::uint32_t begin, std::uint32_t) {
+        return builder.mend_group(begin, lists, chunk, made_again[chunk]);
+      },
+      then);
+  return std::accumulate(made_again.begin(), made_again.end(), std::uint64_t{0});
 }
 
 }  // namespace HWY_NAMESPACE

@@ -68,8 +68,7 @@ class Pairs {
     const F d;
     const VF zero = hn::Zero(d);
     VF w = zero, wp = zero, wrx = zero, wry = zero, wrz = zero, gx = zero, gy = zero, gz = zero, px = zero, py = zero,
-       pz = zero, wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, a = zero, arx = zero,
-       ary = zero, arz = zero, ax = zero, ay = zero, az = zero;
+       pz = zero;
     VF nearest2 = hn::Set(d, kernel_.support2);
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
@@ -91,35 +90,12 @@ class Pairs {
         gy = hn::MulAdd(vg, r.y, gy);
         py = hn::MulAdd(pvg, r.y, py);
       }
-      if (constants_.viscous) {
-        const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
-        const VF even = along<Dim>(evening_of<Dim>(extras_.evening, index), r);
-        const VF mu_g = hn::Mul(hn::Mul(hn::MulAdd(even, viscous.d, viscous.d), hn::Set(d, 2.f)), vg);
-        a = hn::Add(a, mu_g);
-        wdx = hn::MulAdd(vw, r.x, wdx);
-        wdy = hn::MulAdd(vw, r.y, wdy);
-        wdz = hn::MulAdd(vw, r.z, wdz);
-        arx = hn::MulAdd(mu_g, r.x, arx);
-        ary = hn::MulAdd(mu_g, r.y, ary);
-        arz = hn::MulAdd(mu_g, r.z, arz);
-        ax = hn::MulAdd(mu_g, motion.a, ax);
-        ay = hn::MulAdd(mu_g, motion.b, ay);
-        az = hn::MulAdd(mu_g, motion.c, az);
-        wvx = hn::MulAdd(vw, motion.a, wvx);
-        wvy = hn::MulAdd(vw, motion.b, wvy);
-        wvz = hn::MulAdd(vw, motion.c, wvz);
-      }
     });
     s = {total(w),
          total(wp),
          {total(wrx), total(wry), total(wrz)},
          {total(gx), total(gy), total(gz)},
          {total(px), total(py), total(pz)},
-         {total(wvx), total(wvy), total(wvz)},
-         {total(wdx), total(wdy), total(wdz)},
-         total(a),
-         {total(arx), total(ary), total(arz)},
-         {total(ax), total(ay), total(az)},
          std::sqrt(hn::GetLane(hn::MinOfLanes(d, nearest2))),
          1.f};
     return s;
@@ -245,6 +221,8 @@ class Pairs {
     if (!constants_.several_densities) return hn::Set(F(), extras_.density[0]);
     return hn::GatherIndex(F(), extras_.density.data(), hn::BitCast(I(), hn::LoadU(U(), index)));
   }
+
+  std::uint32_t count(std::uint32_t item) const { return items_.lists.count[item]; }
 
   /// W of vectors of squared distances.
   HWY_INLINE VF value(VF r2) const { return kernel_.value(r2); }

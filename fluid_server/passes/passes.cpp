@@ -19,11 +19,11 @@ HWY_BEFORE_NAMESPACE();
 namespace ballast::fluid {
 namespace HWY_NAMESPACE {
 
+/// task(k) for all k below size, in chunks that whichever thread is free takes.
 template <class Task>
-void for_each_chunk(std::uint32_t size, std::uint32_t chunk, int threads, Task&& task) {
-  const std::uint32_t chunks = (size + chunk - 1) / chunk;
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-  for (std::uint32_t c = 0; c < chunks; ++c) task(c * chunk, std::min(size, (c + 1) * chunk));
+void for_each_index(std::size_t size, int threads, Task&& task) {
+#pragma omp parallel for num_threads(threads) schedule(dynamic, Lists::kChunk)
+  for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(size); ++k) task(k);
 }
 
 template <int Dim, KernelKind K>
@@ -44,29 +44,30 @@ void BuildAll(Neighbourhood& items, const ItemExtras& extras, const PassConstant
 template <int Dim, KernelKind K>
 void AdvanceAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     pressure[f] = pairs.advanced_pressure(items.fluid_item[f]);
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { pressure[f] = pairs.advanced_pressure(items.fluid_item[f]); });
 }
 
 template <int Dim, KernelKind K>
 void GatherAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t s = begin; s < end; ++s) sums[s] = pairs.sample_sums(items.sample_item[s]);
-                 });
+  for_each_index(items.sample_item.size(), constants.threads,
+                 [&](std::uint32_t s) { sums[s] = pairs.sample_sums(items.sample_item[s]); });
+}
+
+template <int Dim, KernelKind K>
+void GatherViscousAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                      ViscousSums* sums) {
+  const Pairs<Dim, K> pairs(items, extras, constants);
+  for_each_index(items.sample_item.size(), constants.threads,
+                 [&](std::uint32_t s) { sums[s] = viscous_sums<Dim>(pairs, extras, items.sample_item[s]); });
 }
 
 template <int Dim, KernelKind K>
 void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f) pairs.acceleration(items.fluid_item[f], a + 3 * f);
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { pairs.acceleration(items.fluid_item[f], a + 3 * f); });
 }
 
 template <int Dim, KernelKind K>
@@ -79,32 +80,23 @@ void AccelerateSome(const Neighbourhood& items, const ItemExtras& extras, const 
 template <int Dim, KernelKind K>
 void SumAll(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     delta[f] = pairs.summed_density(items.fluid_item[f], gradient + 3 * f);
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { delta[f] = pairs.summed_density(items.fluid_item[f], gradient + 3 * f); });
 }
 
 template <int Dim, KernelKind K>
 void EvenAll(const Neighbourhood& items, const PassConstants& constants, Evening* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     out[items.fluid_item[f]] = evening<Dim>(pairs, items.fluid_item[f]);
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { out[items.fluid_item[f]] = evening<Dim>(pairs, items.fluid_item[f]); });
 }
 
 template <int Dim, KernelKind K>
 void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
   const float per_value = static_cast<float>(1 / constants.kernel.value(spacing));
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     out[f] = pairs.unevenness(items.fluid_item[f], per_value);
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { out[f] = pairs.unevenness(items.fluid_item[f], per_value); });
 }
 
 template <int Dim, KernelKind K>
@@ -115,30 +107,21 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
   const auto slopes = [&](std::uint32_t item) {
     return kept.slope.data() + std::size_t{kept.slopes_before[item]} * kLanes;
   };
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f) {
-                     const std::uint32_t item = items.fluid_item[f];
-                     sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
-                   }
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+    const std::uint32_t item = items.fluid_item[f];
+    sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
+  });
   kept.make_room_for_values(items, kLanes, constants.threads);
   const auto values = [&](std::uint32_t item) {
     return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
   };
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     if (kept.sum[f].touches_samples)
-                       rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
-                 });
-  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t s = begin; s < end; ++s) {
-                     const std::uint32_t item = items.sample_item[s];
-                     rows.keep_sample(item, slopes(item), values(item));
-                   }
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+    if (kept.sum[f].touches_samples) rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
+  });
+  for_each_index(items.sample_item.size(), constants.threads, [&](std::uint32_t s) {
+    const std::uint32_t item = items.sample_item[s];
+    rows.keep_sample(item, slopes(item), values(item));
+  });
 }
 
 template <int Dim>
@@ -146,10 +129,8 @@ void AverageAll(const Neighbourhood& items, const PassConstants& constants, Kept
                 float* out) {
   const Products<Dim> products(items, pairs);
   for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = x[f];
-  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t s = begin; s < end; ++s) out[s] = products.mean(items.sample_item[s]);
-                 });
+  for_each_index(items.sample_item.size(), constants.threads,
+                 [&](std::uint32_t s) { out[s] = products.mean(items.sample_item[s]); });
 }
 
 template <int Dim>
@@ -158,16 +139,12 @@ void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const Pas
   const Products<Dim> products(items, pairs);
   for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = 0;
   for (std::size_t s = 0; s < items.sample_item.size(); ++s) pairs.point[items.sample_item[s]].p = inverse_w[s];
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f) {
-                     const std::uint32_t item = items.fluid_item[f];
-                     const float volume = items.record[item].volume;
-                     const float density = extras.density[constants.several_densities ? item : 0];
-                     out[f] =
-                         volume * (products.own_square(item, pairs.sum[f], volume) / density + volume * sums[f].square);
-                   }
-                 });
+  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+    const std::uint32_t item = items.fluid_item[f];
+    const float volume = items.record[item].volume;
+    const float density = extras.density[constants.several_densities ? item : 0];
+    out[f] = volume * (products.own_square(item, pairs.sum[f], volume) / density + volume * sums[f].square);
+  });
 }
 
 template <int Dim>
@@ -210,18 +187,12 @@ template <int Dim, KernelKind K>
 void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
                 float* out) {
   const Rows<Dim, K> rows(items, ItemExtras{}, constants);
-  for_each_chunk(static_cast<std::uint32_t>(items.sample_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t s = begin; s < end; ++s) {
-                     const std::uint32_t item = items.sample_item[s];
-                     if (inverse_w[s] > 0) items.record[item].p = rows.sample_flux(item, inverse_w[s], flow);
-                   }
-                 });
-  for_each_chunk(static_cast<std::uint32_t>(items.fluid_item.size()), Lists::kChunk, constants.threads,
-                 [&](std::uint32_t begin, std::uint32_t end) {
-                   for (std::uint32_t f = begin; f < end; ++f)
-                     out[f] = rows.volume_divergence(items.fluid_item[f], flow);
-                 });
+  for_each_index(items.sample_item.size(), constants.threads, [&](std::uint32_t s) {
+    const std::uint32_t item = items.sample_item[s];
+    if (inverse_w[s] > 0) items.record[item].p = rows.sample_flux(item, inverse_w[s], flow);
+  });
+  for_each_index(items.fluid_item.size(), constants.threads,
+                 [&](std::uint32_t f) { out[f] = rows.volume_divergence(items.fluid_item[f], flow); });
 }
 
 /// Calls what<Dim, K> for the kernel in use.
@@ -243,6 +214,10 @@ void Advance(const Neighbourhood& items, const ItemExtras& extras, const PassCon
 }
 void Gather(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
   BALLAST_BY_KERNEL(GatherAll, constants.kernel, items, extras, constants, sums);
+}
+void GatherViscous(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                   ViscousSums* sums) {
+  BALLAST_BY_KERNEL(GatherViscousAll, constants.kernel, items, extras, constants, sums);
 }
 void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
   BALLAST_BY_KERNEL(AccelerateAll, constants.kernel, items, extras, constants, a);
@@ -294,6 +269,7 @@ namespace ballast::fluid {
 HWY_EXPORT(Build);
 HWY_EXPORT(Advance);
 HWY_EXPORT(Gather);
+HWY_EXPORT(GatherViscous);
 HWY_EXPORT(Accelerate);
 HWY_EXPORT(AccelerateThese);
 HWY_EXPORT(Sum);
@@ -323,6 +299,11 @@ void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const 
                     std::vector<SampleSums>& sums) {
   resize_gently(sums, items.sample_item.size());
   HWY_DYNAMIC_DISPATCH(Gather)(items, extras, constants, sums.data());
+}
+void gather_viscous(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    std::vector<ViscousSums>& sums) {
+  resize_gently(sums, items.sample_item.size());
+  HWY_DYNAMIC_DISPATCH(GatherViscous)(items, extras, constants, sums.data());
 }
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                 std::vector<float>& acceleration) {

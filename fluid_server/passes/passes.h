@@ -7,6 +7,7 @@
 
 #include "fluid_server/kernel.h"
 #include "fluid_server/neighbours/neighbourhood.h"
+#include "fluid_server/neighbours/resize.h"
 
 namespace ballast::fluid {
 
@@ -62,22 +63,18 @@ struct SampleSums {
   float wr[3];    ///< sum V_k W rho_k (x_b - x_k)
   float g[3];     ///< sum V_k g (x_b - x_k)
   float pg[3];    ///< sum V_k (p_k + q_k) g (x_b - x_k), q the dissipation of approaching pairs
-  float wv[3];    ///< sum V_k W v_k            (viscous only)
-  float wd[3];    ///< sum V_k W (x_b - x_k)    (viscous only)
-  float a;        ///< sum V_k 2 mu' g          (viscous only), mu' = mu (1 + e.C.e)
-  float ar[3];    ///< sum V_k 2 mu' g (x_b - x_k)  (viscous only)
-  float av[3];    ///< sum V_k 2 mu' g v_k      (viscous only)
   float nearest;  ///< distance to the nearest neighbour, m; 0 if dry
   float share;    ///< by which the pressure that the sample extrapolates is scaled: 1, less where the solver says so
 };
 
-/// Resizes to `size` with room for an eighth more, not for as much again: what is kept per sample near fluid is large,
-/// and their number grows a little at a time.
-template <class T>
-void resize_gently(std::vector<T>& out, std::size_t size) {
-  if (out.capacity() < size) out.reserve(size + size / 8);
-  out.resize(size);
-}
+/// The same for viscous fluids; mu' = mu (1 + e.C.e).
+struct ViscousSums {
+  float wv[3];  ///< sum V_k W v_k
+  float wd[3];  ///< sum V_k W (x_b - x_k)
+  float a;      ///< sum V_k 2 mu' g
+  float ar[3];  ///< sum V_k 2 mu' g (x_b - x_k)
+  float av[3];  ///< sum V_k 2 mu' g v_k
+};
 
 /// Builds the lists of all items (samples: fluid neighbours only) and, in the same sweep, advances the pressure of
 /// every particle by continuity and density diffusion over dt: `new_pressure`, per particle.
@@ -98,6 +95,9 @@ void build_lists(Neighbourhood& items, const PassConstants& constants);
 /// Sums of every sample item, in the order of items.sample_item.
 void gather_samples(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                     std::vector<SampleSums>& sums);
+
+void gather_viscous(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                    std::vector<ViscousSums>& sums);
 
 /// C of every particle, at its item.
 void find_evening(const Neighbourhood& items, const PassConstants& constants, std::vector<Evening>& out);

@@ -69,6 +69,41 @@ HWY_INLINE Evening evening(const Pairs& pairs, std::uint32_t item) {
           {}};
 }
 
+/// Of a boundary sample over its fluid neighbours; all 0 if it is dry.
+template <int Dim, class Pairs>
+HWY_INLINE ViscousSums viscous_sums(const Pairs& pairs, const ItemExtras& extras, std::uint32_t item) {
+  if (pairs.count(item) == 0) return {};
+  const F d;
+  const VF zero = hn::Zero(d);
+  VF wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, a = zero, arx = zero, ary = zero,
+     arz = zero, avx = zero, avy = zero, avz = zero;
+  pairs.for_each_neighbour(item, [&](const auto& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
+    const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
+    const VF vw = hn::Mul(volume, pairs.value(r.r2)), vg = hn::Mul(volume, r.slope);
+    const VF mu = load_transposed(F(), &extras.viscous[0].wx, index, 4).d;
+    const VF even = along<Dim>(evening_of<Dim>(extras.evening, index), r);
+    const VF mu_g = hn::Mul(hn::Mul(hn::MulAdd(even, mu, mu), hn::Set(d, 2.f)), vg);
+    a = hn::Add(a, mu_g);
+    wdx = hn::MulAdd(vw, r.x, wdx);
+    wdy = hn::MulAdd(vw, r.y, wdy);
+    wdz = hn::MulAdd(vw, r.z, wdz);
+    arx = hn::MulAdd(mu_g, r.x, arx);
+    ary = hn::MulAdd(mu_g, r.y, ary);
+    arz = hn::MulAdd(mu_g, r.z, arz);
+    avx = hn::MulAdd(mu_g, motion.a, avx);
+    avy = hn::MulAdd(mu_g, motion.b, avy);
+    avz = hn::MulAdd(mu_g, motion.c, avz);
+    wvx = hn::MulAdd(vw, motion.a, wvx);
+    wvy = hn::MulAdd(vw, motion.b, wvy);
+    wvz = hn::MulAdd(vw, motion.c, wvz);
+  });
+  return {{total(wvx), total(wvy), total(wvz)},
+          {total(wdx), total(wdy), total(wdz)},
+          total(a),
+          {total(arx), total(ary), total(arz)},
+          {total(avx), total(avy), total(avz)}};
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ballast::fluid
 HWY_AFTER_NAMESPACE();

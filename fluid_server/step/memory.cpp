@@ -30,11 +30,10 @@ std::size_t bytes_of(const Particles& particles) {
 
 std::size_t Neighbourhood::memory() const {
   return sum_of(x, y, z, record, source, fluid_item, sample_item) +
-         sum_of(lists.buffer, lists.buffer_of_chunk, lists.start, lists.count, lists.good_until, lists.group,
-                lists.used) +
-         sum_of(start_, start_fluid_, fluid_count_, moving_count_, static_start_, histogram_, row_fluid_, row_all_) +
-         sum_of(row_filled_, row_touched_, occupied_, active_, cell_of_, moving_cell_, moving_item_, static_record_,
-                static_source_);
+         sum_of(lists.buffer, lists.start, lists.count, lists.good_until, lists.group, lists.used) +
+         sum_of(start_, start_fluid_, fluid_count_, moving_count_, static_start_, histogram_, row_fluid_, row_all_,
+                row_counts_, row_place_) +
+         sum_of(row_filled_, row_touched_, occupied_, active_, cell_of_, moving_cell_, moving_item_, static_source_);
 }
 
 std::size_t Samples::memory() const {
@@ -42,7 +41,8 @@ std::size_t Samples::memory() const {
 }
 
 std::size_t Response::memory() const {
-  return (films_ ? films_->memory() : 0) + sum_of(wet_, at_, wrenches_, acceleration_, spin_, patches_, contacts_);
+  return (films_ ? films_->memory() : 0) +
+         sum_of(wet_, viscous_, at_, wrenches_, acceleration_, spin_, patches_, contacts_);
 }
 
 std::size_t WcsphFluid::memory() const {

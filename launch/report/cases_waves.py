@@ -127,7 +127,7 @@ HEAVING = heaving(
     "a third of its radius",
     0.0254,
     (("coarse", 0.01905), ("10s", 0.0127), ("1min", 0.0076), ("10min", 0.0038)),
-    "theory is linear. Explicit, 7.6 and 4.8 mm: the first swing goes to -0.663, -0.661 (theory -0.641), and to -0.642 if let go from half the height. How the particles lie around it moves the first by 0.05: in a tank of 4 m, where it lies otherwise in the lattice, it is -0.608. The second, 0.29 instead of 0.305, is the same at 12.7, 7.6 and 4.8 mm, at a fifth, half and all of the height, and in both tanks; without artificial viscosity 0.295: what takes it was not found",
+    "theory is linear. Explicit, 7.6 and 4.8 mm: the first swing goes to -0.663, -0.661 (theory -0.641), and to -0.642 if let go from half the height. How the particles lie around it moves the first by 0.05: in a tank of 4 m, where it lies otherwise in the lattice, it is -0.608. The second, 0.29 instead of 0.305 at 12.7, 7.6 and 4.8 mm, is of the tank: heights are taken about where it comes to rest, in the level once the water that it pushes aside has spread, 1.9 mm (a thirteenth of the lift) higher than at the start; about the level of the start the second is 0.33 to 0.34, and 0.29 in a tank of 4 m, where it rises half as much: half of the water has spread by then. Water 0.72 or 1.22 m deep instead of 0.5 moves it by 0.01",
 )
 HEAVING_LITTLE = heaving(
     "B9s",

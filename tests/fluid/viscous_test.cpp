@@ -26,7 +26,7 @@ class Viscous : public ::testing::TestWithParam<ViscousCase> {
   void place(double shear, double jitter = 0, double bottom = 0) {
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0, jitter * kSpacing);
-    std::vector<Record> samples;
+    samples_.clear();
     const int layers = deep() ? 16 : 1;
     for (int i = 0; i < 20; ++i)
       for (int j = 0; j < layers; ++j)
@@ -39,14 +39,14 @@ class Viscous : public ::testing::TestWithParam<ViscousCase> {
           const bool sample = p[2] < bottom;
           Record r{f[0], f[1], f[2], 0, 0, 0, 0, sample ? -volume : volume};
           if (sample) {
-            samples.push_back(r);
+            samples_.push_back(r);
           } else {
             before_.record.push_back(r);
             before_.id.push_back(static_cast<std::uint32_t>(before_.id.size()));
           }
         }
-    items_.set_static_samples(samples);
-    items_.rebuild(before_, after_, {}, static_cast<std::uint32_t>(samples.size()));
+    items_.set_static_samples(samples_);
+    items_.rebuild(before_, after_, {}, static_cast<std::uint32_t>(samples_.size()));
     constants_.kernel = kernel_;
     constants_.sound_speed = 1;
     constants_.viscous = true;
@@ -105,6 +105,7 @@ class Viscous : public ::testing::TestWithParam<ViscousCase> {
   Kernel kernel_{Kernel::of(GetParam().kind, GetParam().dimension, kSpacing)};
   Coordinates coordinates_{Coordinates::make({{0, 0, 0}, {1, 0.8, 1}}, {true, false, false})};
   Neighbourhood items_{coordinates_, kernel_.support, GetParam().dimension, 2};
+  std::vector<Record> samples_;
   Particles before_, after_;
   PassConstants constants_;
   ItemExtras extras_;
@@ -197,8 +198,8 @@ TEST_P(Viscous, SumsEqualThoseOverAllPairsAndActionEqualsReaction) {
     scale += kDensity * after_.record[f].volume * found.norm();
   }
   EXPECT_LT(worst, 1e-5 * largest);
-  std::vector<SampleSums> sums;
-  gather_samples(items_, extras_, constants_, sums);
+  std::vector<ViscousSums> sums;
+  gather_viscous(items_, extras_, constants_, sums);
   Vec3 on_samples = Vec3::Zero();
   for (std::size_t s = 0; s < sums.size(); ++s) {
     const ViscousRecord& w = extras_.viscous[items_.sample_item[s]];
