@@ -71,7 +71,10 @@ float Response::mirror(float depth, float height) const {
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
-  if (constants.viscous) gather_viscous(items, extras, constants, viscous_);
+  if (constants.viscous) {
+    gather_viscous(items, extras, constants, viscous_);
+    drag_.assign(sums.size(), {1, Eigen::Vector3f::Zero()});
+  }
   resize_gently(wet_, sums.size());
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::size_t s = 0; s < sums.size(); ++s) {
@@ -104,14 +107,14 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
       const Eigen::Vector3f spin = Vec3::Map(state.angular_velocity).cast<float>();
       const Eigen::Vector3f surface = Eigen::Vector3f(record.vx, record.vy, record.vz) + spin.cross(depth);
       const float height = -normal.dot(Eigen::Vector3f::Map(viscous.wd)) / sum.w - samples_.depth[sample];
-      wet.mirror = mirror(samples_.depth[sample], height);
-      const Eigen::Vector3f seen = surface + wet.mirror * (surface - Eigen::Vector3f::Map(viscous.wv) / sum.w);
+      drag_[s].mirror = mirror(samples_.depth[sample], height);
+      const Eigen::Vector3f seen = surface + drag_[s].mirror * (surface - Eigen::Vector3f::Map(viscous.wv) / sum.w);
       extras.viscous[item] = {seen[0], seen[1], seen[2], -1.f};
       const Eigen::Vector3f drag = volume * (viscous.a * seen - Eigen::Vector3f::Map(viscous.av));
       wet.force += drag;
       // Both act at the surface; the pairs' sum is mu du/dn and lacks mu (grad u)^T n, which is mu n x spin on a body.
       const Eigen::Vector3f turned = -volume * spin.cross(Eigen::Vector3f::Map(viscous.ar));
-      wet.couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
+      drag_[s].couple = depth.cross(drag) + (wet.arm + depth).cross(turned);
     }
   }
 }
@@ -128,7 +131,7 @@ double Response::drag_rate(const Neighbourhood& items, const std::vector<SampleS
     for (int k = 0; k < 3; ++k) velocity.col(3 + k) = Vec3::Unit(k).cross(arm);
     // What a sample is taken to move at changes more than it does: v + mirror (v - v_fluid).
     drag[samples_.body[sample]] -=
-        (1 + wet_[s].mirror) * samples_.volume[sample] * viscous_[s].a * velocity.transpose() * velocity;
+        (1 + drag_[s].mirror) * samples_.volume[sample] * viscous_[s].a * velocity.transpose() * velocity;
   }
   double fastest = 0;
   for (std::size_t b = 0; b < states.size(); ++b) {
@@ -170,7 +173,7 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       const Vec3 centripetal = spin_[b].cross(spin_[b].cross(arm));
       const Vec3 known = wet.force.cast<double>();
       force.head<3>() += known;
-      force.tail<3>() += arm.cross(known) + wet.couple.cast<double>();
+      force.tail<3>() += arm.cross(known) + couple(wet);
       force += per_pressure * (wet.p0 - centripetal.dot(reach));
     });
     if (scheme == Scheme::kInterlinked)
@@ -194,10 +197,10 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
       const Vec3 own = linear + angular.cross(arm) + spin_[b].cross(spin_[b].cross(arm));
       const float p = wet.p0 - own.cast<float>().dot(wet.reach);
       items.record[wet.item].p = p;
-      wet.final_force = wet.force + p * wet.area;
-      const Vec3 f = wet.final_force.cast<double>();
+      wet.force += p * wet.area;
+      const Vec3 f = wet.force.cast<double>();
       chunk.force += f;
-      chunk.torque += arm.cross(f) + wet.couple.cast<double>();
+      chunk.torque += arm.cross(f) + couple(wet);
     }
   }
   for (std::size_t b = 0; b < states.size(); ++b) {
@@ -237,7 +240,7 @@ void Response::accelerate_body(Neighbourhood& items, std::uint32_t body, const V
     const float p = -own.cast<float>().dot(wet.reach);
     items.record[wet.item].p += p;
     const Eigen::Vector3f force = p * wet.area;
-    wet.final_force += force;
+    wet.force += force;
     Vec3::Map(wrench.force) += force.cast<double>();
     Vec3::Map(wrench.torque) += arm.cross(force.cast<double>());
   });
@@ -255,7 +258,7 @@ void Response::push(std::uint32_t sample, const Vec3& arm, const Vec3& force) {
   exchange::Wrench& wrench = wrenches_[samples_.body[sample]];
   Vec3::Map(wrench.force) += force;
   Vec3::Map(wrench.torque) += arm.cross(force);
-  if (Wet* wet = find(sample)) wet->final_force += force.cast<float>();
+  if (Wet* wet = find(sample)) wet->force += force.cast<float>();
 }
 
 std::span<const exchange::Contact> Response::gather_contacts(std::span<const exchange::BodyState> states) {
@@ -268,7 +271,7 @@ std::span<const exchange::Contact> Response::gather_contacts(std::span<const exc
     const exchange::BodyState& state = states[wet.body];
     const Quat q = rotation_of(state);
     const Vec3 normal = q * samples_.normal[sample].cast<double>();
-    const Vec3 force = wet.final_force.cast<double>();
+    const Vec3 force = wet.force.cast<double>();
     patch.body = wet.body;
     patch.depth = patch.samples ? std::max<double>(patch.depth, wet.penetration) : wet.penetration;
     ++patch.samples;

@@ -85,16 +85,17 @@ class Response {
   struct Wet {                    // one sample near fluid
     std::uint32_t sample = kDry;  // which, if it is wet
     std::uint32_t item, body;
-    Eigen::Vector3f arm;                                    // world, from the centre of mass
-    float penetration;                                      // of the nearest particle's edge below the surface, m
-    float seen;                                             // pressure extrapolated without the body's acceleration
-    float p0;                                               // the share of it that the sample bears
-    Eigen::Vector3f reach;                                  // sum V W rho (x_b - x_k) / sum V W
-    Eigen::Vector3f area;                                   // S: force per unit pressure
-    Eigen::Vector3f force;                                  // what does not depend on p_b
-    Eigen::Vector3f final_force = Eigen::Vector3f::Zero();  // with p_b, and what was pushed
-    float mirror = 1;                                       // see mirror(); viscous fluids only
-    Eigen::Vector3f couple = Eigen::Vector3f::Zero();       // torque of viscous forces beside that of `force` at `arm`
+    Eigen::Vector3f arm;    // world, from the centre of mass
+    float penetration;      // of the nearest particle's edge below the surface, m
+    float seen;             // pressure extrapolated without the body's acceleration
+    float p0;               // the share of it that the sample bears
+    Eigen::Vector3f reach;  // sum V W rho (x_b - x_k) / sum V W
+    Eigen::Vector3f area;   // S: force per unit pressure
+    Eigen::Vector3f force;  // what does not depend on p_b; from apply() on all, and what was pushed
+  };
+  struct Drag {              // the same in viscous fluids
+    float mirror;            // see mirror()
+    Eigen::Vector3f couple;  // torque of viscous forces beside that of `force` at `arm`
   };
   float mirror(float depth, float height) const;
   void collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
@@ -114,6 +115,9 @@ class Response {
     return at < wet_.size() && wet_[at].sample == sample ? &wet_[at] : nullptr;
   }
   Wet* find(std::uint32_t sample) { return const_cast<Wet*>(std::as_const(*this).find(sample)); }
+  Vec3 couple(const Wet& wet) const {
+    return drag_.empty() ? Vec3(0, 0, 0) : drag_[static_cast<std::size_t>(&wet - wet_.data())].couple.cast<double>();
+  }
   void find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films);
   void apply(Neighbourhood& items, std::span<const exchange::BodyState> states);
 
@@ -131,6 +135,7 @@ class Response {
   std::unique_ptr<Seepage> films_;
   std::vector<Wet> wet_;                  // samples near fluid, in item order
   std::vector<ViscousSums> viscous_;      // the same; viscous fluids only
+  std::vector<Drag> drag_;                // the same
   std::vector<std::uint32_t> at_;         // by sample: its place in wet_, if that one names it
   Scheme scheme_ = Scheme::kInterlinked;  // of the last solve
   std::vector<exchange::Wrench> wrenches_;

@@ -26,6 +26,29 @@ std::size_t block_begin(std::size_t size, int t, int n) {
 
 }  // namespace
 
+void Lists::begin(std::uint32_t items) {
+  resize_gently(start, items);
+  resize_gently(count, items);
+  if (measure) resize_gently(good_until, items), resize_gently(group, items);
+  used.assign((items + kChunk - 1) / kChunk, 0);
+  buffer.resize(used.size());
+  moved = 0;
+}
+
+void Lists::end() {
+  constexpr std::size_t kSpare = 512;                          // the next list may turn out long
+  for (std::size_t chunk = 0; chunk < used.size(); ++chunk) {  // where more or other items were before
+    auto& lists = buffer[chunk];
+    if (lists.size() <= used[chunk] + used[chunk] / 2 + kSpare) continue;
+    lists.resize(used[chunk] + used[chunk] / 8 + kSpare);
+    lists.shrink_to_fit();
+  }
+  used_at_first = all_used();
+  valid = measure;
+}
+
+std::size_t Lists::all_used() const { return std::accumulate(used.begin(), used.end(), std::size_t{0}); }
+
 Neighbourhood::Neighbourhood(const Coordinates& coordinates, double support, int dimension, int threads)
     : coordinates_(coordinates), threads_(threads) {
   const Vec3 extent = coordinates.domain.max - coordinates.domain.min;
@@ -91,13 +114,10 @@ void Neighbourhood::decide_to_measure() {
 
 void Neighbourhood::count_kept(std::uint64_t made_again) {
   searches.lists += size(), searches.made_again += made_again;
-  const auto total = [](const std::vector<std::uint32_t>& used) {
-    return std::accumulate(used.begin(), used.end(), std::size_t{0});
-  };
   if (made_again > size() / 2) {  // hardly less work than a search
     lists.valid = was_kept_ = false;
     wait_ = pause_ = std::min(2 * pause_ + 1, kLongestPause);
-  } else if (total(lists.used) > lists.used_at_first * 5 / 4) {
+  } else if (lists.all_used() > lists.used_at_first * 5 / 4) {
     lists.valid = false;  // too many places whose lists have grown out of them
   }
 }
@@ -304,11 +324,10 @@ void Neighbourhood::place_rows() {
     all += a;
     fluid += f;
   }
-  for (auto* v : {&x, &y, &z}) v->resize(all + kTail);
-  record.resize(all + kTail);
-  source.resize(all + kTail);
+  for (auto* v : {&x, &y, &z, &source}) resize_gently(*v, all + kTail);
+  resize_gently(record, all + kTail);
   fluid_item.resize(fluid);
-  sample_item.resize(all - fluid);
+  resize_gently(sample_item, all - fluid);
   const std::uint32_t nx = cells_.count[0];
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {

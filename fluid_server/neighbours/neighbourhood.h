@@ -48,6 +48,11 @@ struct Lists {
   bool measure = false;             ///< building them finds `good_until`
   bool valid = false;               ///< they are those of this order, and `good_until` is known
 
+  /// Before and after the lists of so many items are built anew.
+  void begin(std::uint32_t items);
+  void end();
+  std::size_t all_used() const;
+
   const std::uint32_t* of(std::uint32_t item) const { return buffer[item / kChunk].data() + start[item]; }
 };
 

@@ -15,7 +15,7 @@ std::uint32_t sum_before(std::uint32_t size, int threads, Count&& count, std::ve
   const std::uint32_t chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
   const auto end = [&](std::uint32_t c) { return std::min(size, (c + 1) * Lists::kChunk); };
   std::vector<std::uint32_t> chunk(chunks + 1, 0);  // before each chunk
-  before.resize(size);
+  resize_gently(before, size);
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (std::uint32_t c = 0; c < chunks; ++c)
     for (std::uint32_t i = c * Lists::kChunk; i < end(c); ++i)

@@ -37,10 +37,9 @@ class ListBuilder {
     std::uint32_t next = begin + 1;
     for (; next < end && next - begin < kGroup; ++next)
       if (row_of(next) != row || cell_x(next) > first + static_cast<int>(Cells::kFine)) break;
-    Windows windows = find_windows(row, first, cell_x(next - 1));
+    const Windows windows = find_windows(row, first, cell_x(next - 1));
     std::uint32_t used = lists.used[chunk];
-    reserve(lists.buffer[chunk], used, next - begin, windows);
-    for (std::uint32_t i = begin; i < next; ++i) add_list(i, windows, lists, chunk, used);
+    for (std::uint32_t i = begin; i < next; ++i) used = add_list(i, windows, lists, chunk, used);
     lists.used[chunk] = used;
     if (lists.measure) lists.group[begin] = static_cast<std::uint8_t>(next - begin);
     return next;
@@ -57,16 +56,17 @@ class ListBuilder {
     if (i == next) return next;
     const Windows windows = find_windows(row_of(begin), cell_x(begin), cell_x(next - 1));
     std::uint32_t used = lists.used[chunk];
-    reserve(lists.buffer[chunk], used, next - begin, windows);
     for (; i < next; ++i) {
       if (!outdated(i)) continue;
       ++made_again;
       const std::uint32_t place = lists.start[i], room = padded(lists.count[i]);
-      add_list(i, windows, lists, chunk, used);
-      if (padded(lists.count[i]) > room) continue;
-      auto& out = lists.buffer[chunk];
-      std::copy_n(out.data() + lists.start[i], padded(lists.count[i]), out.data() + place);
-      used = lists.start[i];
+      const std::uint32_t end = add_list(i, windows, lists, chunk, used);
+      if (padded(lists.count[i]) > room) {
+        used = end;
+        continue;
+      }
+      std::uint32_t* const all = lists.buffer[chunk].data();
+      std::copy_n(all + used, padded(lists.count[i]), all + place);
       lists.start[i] = place;
     }
     lists.used[chunk] = used;
@@ -91,18 +91,20 @@ class ListBuilder {
     return static_cast<int>(Cells::along(items_.x[item], items_.cells().count[0]));
   }
 
-  /// Room in the buffer for `items` lists of all that the windows show.
-  static void reserve(std::vector<std::uint32_t>& out, std::size_t used, std::uint32_t items, const Windows& windows) {
-    std::size_t candidates = 0;
-    for (int w = 0; w < windows.count; ++w) candidates += windows.of[w].end - windows.of[w].begin;
-    const std::size_t needed = used + items * (candidates + 2 * Lists::kPad);
+  /// Room for one more list, of all that the windows show.
+  static void make_room(std::vector<std::uint32_t>& out, std::uint32_t used, const Windows& windows) {
+    std::size_t needed = used + 2 * Lists::kPad;
+    for (int w = 0; w < windows.count; ++w) needed += windows.of[w].end - windows.of[w].begin;
     if (out.size() >= needed) return;
-    out.reserve(needed + needed / 4);  // not twice as much, as resize alone may
+    out.reserve(needed + needed / 8);  // not twice as much, as resize alone may
     out.resize(out.capacity());
   }
 
-  void add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t chunk, std::uint32_t& used) const {
-    std::uint32_t* list = lists.buffer[chunk].data() + used;
+  /// The list of an item, padded, at `used` in its chunk's buffer. Returns where it ends.
+  std::uint32_t add_list(std::uint32_t i, const Windows& windows, Lists& lists, std::uint32_t chunk,
+                         std::uint32_t used) const {
+    make_room(lists.buffer[chunk], used, windows);
+    std::uint32_t* const list = lists.buffer[chunk].data() + used;
     const bool sample = items_.source[i] & Neighbourhood::kSample;
     float room = 0;
     std::uint32_t n;
@@ -117,7 +119,7 @@ class ListBuilder {
     const hn::CappedTag<std::uint32_t, 16> u;
     for (std::uint32_t k = 0; k < Lists::kPad; k += static_cast<std::uint32_t>(hn::MaxLanes(u)))
       hn::StoreU(hn::Set(u, i), u, list + n + k);
-    used += padded(n);
+    return used + padded(n);
   }
 
   /// Ranges of items in the rows around `row`, between the cells first and last along x widened by the support.
@@ -237,28 +239,21 @@ void for_each_group(std::uint32_t size, int threads, Group&& group, Then&& then)
 template <int Dim, class Then>
 void SearchAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
   Lists& lists = items.lists;
-  const std::uint32_t size = items.size(), chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
-  lists.start.resize(size);
-  lists.count.resize(size);
-  if (lists.buffer.size() < chunks) lists.buffer.resize(chunks);
-  if (lists.measure) lists.good_until.resize(size), lists.group.resize(size);
-  lists.used.assign(chunks, 0);
-  lists.moved = 0;
+  lists.begin(items.size());
   for_each_group(
-      size, threads,
+      items.size(), threads,
       [&](std::uint32_t chunk, std::uint32_t begin, std::uint32_t end) {
         return builder.build_group(begin, end, lists, chunk);
       },
       then);
-  lists.used_at_first = std::accumulate(lists.used.begin(), lists.used.end(), std::size_t{0});
-  lists.valid = lists.measure;
+  lists.end();
 }
 
 /// The same where lists are kept: how many were made again.
 template <int Dim, class Then>
 std::uint64_t MendAll(Neighbourhood& items, const ListBuilder<Dim>& builder, int threads, Then&& then) {
   Lists& lists = items.lists;
-  std::vector<std::uint64_t> made_again(lists.used.size(), 0);
+  std::vector<std::uint64_t> made_again(lists.buffer.size(), 0);
   for_each_group(
       items.size(), threads,
       [&](std::uint32_t chunk, std::uint32_t begin, std::uint32_t) {

@@ -334,7 +334,7 @@ void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassCo
               std::vector<RowSums>& sums, KeptPairs& pairs) {
   sums.resize(items.fluid_item.size());
   pairs.sum.resize(items.fluid_item.size());
-  pairs.point.resize(items.record.size());
+  resize_gently(pairs.point, items.record.size());
 #pragma omp parallel for num_threads(constants.threads) schedule(static)
   for (std::size_t i = 0; i < items.record.size(); ++i)
     pairs.point[i] = {items.record[i].x, items.record[i].y, items.record[i].z, 0.f};
@@ -354,7 +354,7 @@ void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const P
 void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                     const std::vector<float>& inverse_w, KeptPairs& pairs, std::span<const float> x,
                     std::vector<Flow>& flow, std::vector<float>& out) {
-  flow.resize(items.record.size());
+  resize_gently(flow, items.record.size());
   out.resize(items.fluid_item.size());
   HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, inverse_w.data(), pairs, x.data(), flow.data(), out.data());
 }

@@ -220,7 +220,7 @@ void ImplicitPressure::correct_compression(Particles& particles) {
 /// Velocities at the end of the step without the fluid's pressure.
 void ImplicitPressure::predict(std::span<const exchange::BodyState> states, const Response& response) {
   Neighbourhood& items = *items_;
-  flow_.resize(items.record.size());
+  resize_gently(flow_, items.record.size());
   for_blocks(items.fluid_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Record& r = items.record[items.fluid_item[f]];

@@ -42,7 +42,7 @@ std::size_t Samples::memory() const {
 
 std::size_t Response::memory() const {
   return (films_ ? films_->memory() : 0) +
-         sum_of(wet_, viscous_, at_, wrenches_, acceleration_, spin_, patches_, contacts_);
+         sum_of(wet_, viscous_, drag_, at_, wrenches_, acceleration_, spin_, patches_, contacts_);
 }
 
 std::size_t WcsphFluid::memory() const {
