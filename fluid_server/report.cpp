@@ -332,6 +332,7 @@ std::string Report::json(std::uint64_t step, double time, bool stopped, std::spa
   j["scheme"] = interface.iterates() ? "iterated" : fluid_.scheme() == Scheme::kStaggered ? "staggered" : "interlinked";
   j["threads"] = fluid_.constants().threads;
   j["rss_bytes"] = resident_bytes();
+  j["array_bytes"] = fluid_.memory();
   j["state_hash"] = fmt::format("{:016x}", fluid_.hash());
   j["warnings"] = warnings;
   if (link.dropped_frames() > 0) j["monitor_frames_dropped"] = link.dropped_frames();

@@ -128,6 +128,10 @@ std::string memory_text(const json& r) {
     const json& bytes = r["rss_bytes"][side];
     text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", side,
                         bytes.is_number() ? fmt::format("{:.0f} MB", bytes.get<double>() / 1e6) : kNone);
+    const json arrays = get(r, "array_bytes"), particles = get(r["particles"], "fluid");
+    if (side != std::string_view("fluid") || !arrays.is_number() || !particles.is_number() || particles == 0) continue;
+    text += fmt::format(" ({:.1f} MB of arrays, {:.2g} kB a particle)", arrays.get<double>() / 1e6,
+                        arrays.get<double>() / 1e3 / particles.get<double>());
   }
   return text;
 }
@@ -242,6 +246,7 @@ json make_record(const Prepared& prepared, const Outcome& outcome, const Collect
                                        ? json(count.get<double>() * static_cast<double>(done) / outcome.wall_s)
                                        : json(nullptr);
   record["rss_bytes"] = {{"fluid", get(fluid, "rss_bytes")}, {"rigid", get(rigid, "rss_bytes")}};
+  record["array_bytes"] = get(fluid, "array_bytes");
   record["bodies"] = scene.models.size();
   record["state_hash"] = joined_hash(fluid, rigid);
   record["error"] = merged_error(fluid, totals, prepared.fluid);

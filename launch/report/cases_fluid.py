@@ -227,6 +227,8 @@ FINE = np.linspace(0, 1, 101)
 CHANNEL = Case(
     id="F3",
     title="Start-up of channel flow",
+    order_why="Poiseuille flow, from 1/10 to 1/16: with ten rows of particles the middle is 0.5 % too fast at first, as walls let it be at every spacing, and 0.2 % too slow at the end, once rows have slid past each other by half a spacing: "
+    "the two errors cancel. From 1/16 on the order is 2.2",
     scene="report/channel",
     about="A viscous fluid between two planes is set in motion by a body force (Poiseuille) or by the upper plane (Couette); speed at five "
     "heights and seven times. The walls are at their true place.",

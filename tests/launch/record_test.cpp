@@ -116,6 +116,17 @@ TEST_F(Record, InventsNoNumbers) {
   EXPECT_TRUE(record["real_time_factor"].is_null());
 }
 
+TEST_F(Record, SaysWhatOfTheFluidsMemoryIsArrays) {
+  prepared->fluid = true;
+  outcome.fluid = {{"rss_bytes", 36000000}, {"array_bytes", 18000000}, {"particles", {{"fluid", 10000}}}};
+  const json record = make_record(*prepared, outcome, *collector, {}, 2);
+  EXPECT_EQ(record["array_bytes"], 18000000);
+  std::string all;
+  for (const std::string& line : summary_lines(record, "out/drop")) all += line + "\n";
+  EXPECT_NE(all.find("memory: fluid 36 MB (18.0 MB of arrays, 1.8 kB a particle), rigid 5 MB"), std::string::npos)
+      << all;
+}
+
 TEST_F(Record, SaysHowManyMessagesWereSentOnlyIfAnyWereAskedFor) {
   EXPECT_FALSE(make_record(*prepared, outcome, *collector, {}, 2).contains("lcm"));
   outcome.lcm = {{"url", "udpm://"}, {"sent", 5}, {"dropped", 2}, {"failed", 0}};
