@@ -21,7 +21,7 @@ from tqdm import tqdm
 
 import compare
 import page
-from case import LEVELS, METHODS, Case, Job, Refused, jobs_of
+from case import LEVELS, METHODS, Case, Job, Refused, jobs_of, with_those_beside
 from cases import ALL
 from judge import judge, mark
 from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make, write_whole
@@ -83,11 +83,12 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
         known = f"cases are {', '.join(c.id for c in ALL)}; methods are {', '.join(METHODS)}"
         raise Refused(f"no run fits {', '.join(unknown)}; {known}")
     affordable = LEVELS[: LEVELS.index(chosen.level) + 1]
-    return [
+    wanted = [
         job
         for job in everything
         if job.id in named or (job.level in affordable and (patterns or not named) and fits(job, patterns))
     ]
+    return with_those_beside(wanted, everything)
 
 
 def reference_folders(place: Place, given: Path | None) -> list[Path]:

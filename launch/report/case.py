@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -183,6 +183,7 @@ class Case:
     why: str = ""  # it misses, where that was found out by looking
     order_why: str = ""  # its observed order is below 1, likewise
     stability: bool = False  # a line of the stability table, not a section of its own
+    beside: Callable[["Job"], tuple[Variant, float]] | None = None  # variant and resolution of the run its figures need
     to_the_limit: bool = False  # a clean stop with code 4 counts as what is wanted beyond some limit
 
     @property
@@ -230,3 +231,13 @@ def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
         for variant in case.variants
         if h not in variant.without
     ]
+
+
+def with_those_beside(wanted: list[Job], everything: list[Job]) -> list[Job]:
+    """The runs wanted, and those that their figures need, in the order of all."""
+    needed = {job.id for job in wanted}
+    for job in wanted:
+        if job.case.beside:
+            variant, h = job.case.beside(job)
+            needed.add(replace(job, variant=variant, h=h).id)
+    return [job for job in everything if job.id in needed]

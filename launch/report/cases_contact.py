@@ -368,7 +368,7 @@ COLLAPSE = Case(
     "centre of mass after 0.1, 0.3 and 0.5 s. Friction is not in the data: 0.3 is judged, 0.15 and 0.45 show what it does. The gate is gone at once. The target was set beforehand; "
     "chance sets a floor below it: at friction 0.299, 0.3 and 0.301 and steps from 0.5 to 0.05 ms the largest error is 1.5 to 5 mm, at 1 ms 7 to 10 mm.",
     source="S. Zhang et al., Nucl. Eng. Des. 239 (2009) 471-478, digitised as shares of the box's width",
-    order_why="which way loose cylinders fall is decided by little, as above",
+    order_why="which way loose cylinders fall is decided by little",
     knob=STEP,
     resolutions=(("coarse", 2e-3), ("coarse", 1e-3), ("10s", 5e-4), ("1min", 1e-4)),
     methods=("ode",),

@@ -114,7 +114,7 @@ def release(
     longest: float,
     methods: tuple,
     why: str = "",
-    order_why: str = "0.1 to 2.7 % remain, set by how the particles happen to lie around the body at the start, differently at each spacing; implicit: up to 3.4 % in 3-D, where light bodies have most of it",
+    order_why: str = "0.1 to 2.7 % remain (explicit), set by how the particles happen to lie around the body at the start, differently at each spacing; implicit up to 4.0 % at the lowest level and, at the next, 2.4 % in 2-D and 3.4 % in 3-D, where light bodies have most of it",
     wider: int = 2,
     sound: float = 80,
     sweep: tuple = RATIOS,

@@ -238,6 +238,7 @@ CHANNEL = Case(
         Measure("speed, rms over the largest", "%", channel_error, (0.01, 0.003, 0.001)),
         Measure("order since 1/16 below 1.5 by", "", order_lacking, (0.0,)),
     ),
+    beside=lambda job: (job.variant, COARSE_CHANNEL),
     variants=(
         Variant("poiseuille", {}, {"couette": 0}),
         Variant(

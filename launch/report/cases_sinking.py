@@ -85,6 +85,7 @@ WEIGHING = Case(
         Measure("largest speed, full against reduced gravity", "%", both_ways, lambda v: (0.02,) if v is FULL else ()),
         Measure("largest speed", "m/s", fastest),
     ),
+    beside=lambda job: (REDUCED, job.h),
     variants=(REDUCED, FULL),
     chart=Chart("t (s)", "speed (m/s)", lambda r: (r.series("ball.vz")[0], -r.values("ball.vz"))),
 )

@@ -167,7 +167,7 @@ SPIN_DOWN = fading(
     5,
     "body",
     (0.04, 0.02, 0.01),
-    "implicit, heavy cylinder, 2 to 1 cm: 4.1 and 2.8 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring. From 1 cm to 5 mm 0.83 (explicit, heavy: 0.87, 0.49 %) and 0.65 (implicit, ratio 1: 0.88, 0.56 %): explicit it is the length of the steps, with a fifth of their Courant number 0.11 %; implicit not (accurate: 0.54 %), but the disorder of the particles, which slows the cylinder too fast: 0.87 % without shifting; 0.33 % at 2.5 mm",
+    "implicit, heavy cylinder, 2 to 1 cm: 4.2 and 2.9 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring. From 1 cm to 5 mm 0.83 (explicit, heavy: 0.87, 0.49 %) and 0.65 (implicit, ratio 1: 0.88, 0.56 %): explicit it is the length of the steps, with a fifth of their Courant number 0.11 %; implicit not (accurate: 0.54 %), but the disorder of the particles, which slows the cylinder too fast: 0.87 % without shifting; 0.33 % at 2.5 mm",
     "angular momentum: two particles push each other along the difference of their velocities (viscosity), not along the line that joins them, and shifting beside walls keeps no angular momentum. "
     "At 1 cm without shifting 1e-3 of it is lost at the density of the fluid (explicit), without viscosity either 7e-7 (explicit) and 2e-8 (implicit) in a fluid that turns",
     (Measure("angular momentum lost in 5 s", "", turning_lost, (1e-6,)),),
@@ -217,7 +217,7 @@ def settling_speed(run: Outcome) -> tuple[Array, Array]:
 SPHERES = Case(
     id="B8",
     why="explicit, it sinks too fast: density diffusion evens out the pressure before and behind the sphere, which bears a third of the drag; with a fifth of it 2.7 instead of 5.1 % at 16.8 mm. Implicit, without any, 1.8, 1.6 and 0.6 % at 16.8, 11.2 and 6.4 mm",
-    order_why="these spacings are too coarse for an order: the kernel's radius, 2.9 spacings, is about the sphere's (2.2 to 4.5); with the shorter cubic spline 3.6 instead of 5.1 % at 16.8 mm (explicit). Shorter steps change nothing",
+    order_why="these spacings are too coarse for an order: the kernel's radius, 2.9 spacings, is about the sphere's (2.2 to 4.5); with the shorter cubic spline 3.6 instead of 5.1 % at 16.8 mm (explicit). Shorter steps change nothing. Implicit 1.6, 1.8, 1.6, 0.6 % at 22.4 to 6.4 mm",
     title="Periodic array of sinking spheres: drag",
     scene="report/periodic_sphere",
     about="A sphere in a periodic box 2.688 diameters wide, Reynolds number 0.05, after 1.5 s (six times the time that viscosity needs "

@@ -7,7 +7,6 @@ LEFT_OUT = {
     "B4s": "10, 20 and 40 spacings per radius: 8, 10 and 20; the window to 0.03 radii where it is longer than 40 ms (ratios 0.9 to 2)",
     "B4w": "a sphere in so wide a container; ratios 0.9 and 1.1 until 50 ms, before they have moved by 0.03 radii",
     "B7": "a start with the piston's speed alone: when the column is in tension the fluid lets the piston go, so that a load of 100 Pa presses on it in all runs; a piston as heavy as the fluid, pushed in addition, is let go even then (the run stops with code 4)",
-    "B8": "the implicit solver is not run",
     "B10": "a disc 8 spacings wide: 16 and 32; effective density by bisection of a free disc: from the force on a held one",
     "B11": "the implicit solver is not run here, but in B11d; given and received are judged equal within 1e-12, not to the last bit",
     "X6": "5, 8 and 10 spacings per diameter at the three levels: 3, 4 and 6; the slow-down near the floor",

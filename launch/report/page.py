@@ -305,6 +305,7 @@ def write(
         tally=tally(rows),
         staggered=tally([r for r in rows if r["method"] == "staggered"])["missed"],
         levels=met_by_level(cases, rows),
+        references=next((r["report"][at:] for r in rows if (at := r["report"].find(" --references ")) >= 0), ""),
         changes=changes,
         word=WORD,
     )

@@ -4,7 +4,7 @@ import unittest
 from dataclasses import replace
 
 import judge
-from case import Case, Measure, Variant, jobs_of
+from case import Case, Measure, Variant, jobs_of, with_those_beside
 
 
 def case(name: str, methods: tuple[str, ...] = ("wcsph", "implicit"), unit: str = "") -> Case:
@@ -35,6 +35,21 @@ class Jobs(unittest.TestCase):
         self.assertEqual(
             [job.id for job in jobs_of(swept, "1min", None)], ["X1/judged/wcsph/2", "X1/judged/wcsph/1", "X1/shown/wcsph/1"]
         )
+
+
+    def test_a_run_chosen_alone_brings_the_one_that_its_figures_need(self):
+        compared = replace(
+            case("X6g", ("wcsph",)),
+            resolutions=(("coarse", 2.0), ("10s", 1.0)),
+            variants=(Variant("reduced"), Variant("full")),
+            beside=lambda job: (Variant("reduced"), 2.0),
+        )
+        everything = jobs_of(compared, "10s", None)
+        alone = [job for job in everything if job.id == "X6g/full/wcsph/1"]
+        self.assertEqual(
+            [job.id for job in with_those_beside(alone, everything)], ["X6g/reduced/wcsph/2", "X6g/full/wcsph/1"]
+        )
+        self.assertEqual(with_those_beside(everything, everything), everything)
 
 
 class MetByLevel(unittest.TestCase):
