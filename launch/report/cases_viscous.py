@@ -167,7 +167,7 @@ SPIN_DOWN = fading(
     5,
     "body",
     (0.04, 0.02, 0.01),
-    "implicit, heavy cylinder, 2 to 1 cm: 4.2 and 2.9 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring. From 1 cm to 5 mm 0.83 (explicit, heavy: 0.87, 0.49 %) and 0.65 (implicit, ratio 1: 0.88, 0.56 %): explicit it is the length of the steps, with a fifth of their Courant number 0.11 %; implicit not (accurate: 0.54 %), but the disorder of the particles, which slows the cylinder too fast: 0.87 % without shifting; 0.33 % at 2.5 mm",
+    "implicit, heavy cylinder, 2 to 1 cm: 4.2 and 2.9 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring. From 1 cm to 5 mm 0.83 (explicit, heavy: 0.87, 0.49 %) and 0.65 (implicit, ratio 1: 0.88, 0.56 %): explicit it is the length of the steps, with a Courant number of 0.1 0.11 %; implicit not (accurate: 0.54 %), but the disorder of the particles, which slows the cylinder too fast: 0.87 % without shifting; 0.33 % at 2.5 mm",
     "angular momentum: two particles push each other along the difference of their velocities (viscosity), not along the line that joins them, and shifting beside walls keeps no angular momentum. "
     "At 1 cm without shifting 1e-3 of it is lost at the density of the fluid (explicit), without viscosity either 7e-7 (explicit) and 2e-8 (implicit) in a fluid that turns",
     (Measure("angular momentum lost in 5 s", "", turning_lost, (1e-6,)),),
