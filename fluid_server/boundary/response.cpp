@@ -71,10 +71,8 @@ float Response::mirror(float depth, float height) const {
 void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vector<SampleSums>& sums,
                        const PassConstants& constants, std::span<const exchange::BodyState> states) {
   const Eigen::Vector3f gravity = Eigen::Vector3f::Map(constants.gravity);
-  if (constants.viscous) {
-    gather_viscous(items, extras, constants, viscous_);
-    drag_.assign(sums.size(), {1, Eigen::Vector3f::Zero()});
-  }
+  if (constants.viscous) gather_viscous(items, extras, constants, viscous_);
+  drag_.assign(constants.viscous ? sums.size() : 0, {1, Eigen::Vector3f::Zero()});
   resize_gently(wet_, sums.size());
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (std::size_t s = 0; s < sums.size(); ++s) {

@@ -69,14 +69,26 @@ HWY_INLINE Evening evening(const Pairs& pairs, std::uint32_t item) {
           {}};
 }
 
+/// A weighted sum of vectors, lane by lane.
+struct VectorSum {
+  VF x, y, z;
+  HWY_INLINE void add(VF weight, VF a, VF b, VF c) {
+    x = hn::MulAdd(weight, a, x);
+    y = hn::MulAdd(weight, b, y);
+    z = hn::MulAdd(weight, c, z);
+  }
+  HWY_INLINE void total_into(float* out) const { out[0] = total(x), out[1] = total(y), out[2] = total(z); }
+};
+
 /// Of a boundary sample over its fluid neighbours; all 0 if it is dry.
 template <int Dim, class Pairs>
 HWY_INLINE ViscousSums viscous_sums(const Pairs& pairs, const ItemExtras& extras, std::uint32_t item) {
-  if (pairs.count(item) == 0) return {};
+  ViscousSums sums{};
+  if (pairs.count(item) == 0) return sums;
   const F d;
   const VF zero = hn::Zero(d);
-  VF wvx = zero, wvy = zero, wvz = zero, wdx = zero, wdy = zero, wdz = zero, a = zero, arx = zero, ary = zero,
-     arz = zero, avx = zero, avy = zero, avz = zero;
+  VectorSum wv{zero, zero, zero}, wd = wv, ar = wv, av = wv;
+  VF a = zero;
   pairs.for_each_neighbour(item, [&](const auto& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
     const VF volume = hn::Max(motion.d, zero);  // padding is the sample itself, whose volume is negative
     const VF vw = hn::Mul(volume, pairs.value(r.r2)), vg = hn::Mul(volume, r.slope);
@@ -84,24 +96,14 @@ HWY_INLINE ViscousSums viscous_sums(const Pairs& pairs, const ItemExtras& extras
     const VF even = along<Dim>(evening_of<Dim>(extras.evening, index), r);
     const VF mu_g = hn::Mul(hn::Mul(hn::MulAdd(even, mu, mu), hn::Set(d, 2.f)), vg);
     a = hn::Add(a, mu_g);
-    wdx = hn::MulAdd(vw, r.x, wdx);
-    wdy = hn::MulAdd(vw, r.y, wdy);
-    wdz = hn::MulAdd(vw, r.z, wdz);
-    arx = hn::MulAdd(mu_g, r.x, arx);
-    ary = hn::MulAdd(mu_g, r.y, ary);
-    arz = hn::MulAdd(mu_g, r.z, arz);
-    avx = hn::MulAdd(mu_g, motion.a, avx);
-    avy = hn::MulAdd(mu_g, motion.b, avy);
-    avz = hn::MulAdd(mu_g, motion.c, avz);
-    wvx = hn::MulAdd(vw, motion.a, wvx);
-    wvy = hn::MulAdd(vw, motion.b, wvy);
-    wvz = hn::MulAdd(vw, motion.c, wvz);
+    wd.add(vw, r.x, r.y, r.z);
+    ar.add(mu_g, r.x, r.y, r.z);
+    av.add(mu_g, motion.a, motion.b, motion.c);
+    wv.add(vw, motion.a, motion.b, motion.c);
   });
-  return {{total(wvx), total(wvy), total(wvz)},
-          {total(wdx), total(wdy), total(wdz)},
-          total(a),
-          {total(arx), total(ary), total(arz)},
-          {total(avx), total(avy), total(avz)}};
+  wv.total_into(sums.wv), wd.total_into(sums.wd), ar.total_into(sums.ar), av.total_into(sums.av);
+  sums.a = total(a);
+  return sums;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -10,6 +10,19 @@
 namespace ballast::fluid {
 namespace {
 
+/// A lattice of water of 1 m, without anything else.
+Scene water_of_a_metre(int dimension) {
+  Scene scene;
+  scene.world.spacing = 0.05;
+  scene.world.dimension = dimension;
+  scene.numerics.sound_speed = 20;
+  scene.numerics.relax = false;
+  Fluid water;
+  water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
+  scene.fluids = {water};
+  return scene;
+}
+
 class Turning : public ::testing::TestWithParam<int> {
  protected:
   Turning() {
@@ -39,14 +52,7 @@ TEST_P(Turning, VelocityIsExactInsideAndAtAnEdge) {
 
 TEST_P(Turning, VelocityOfAParabolaIsExactInsideAndNearAtAWall) {
   // A linear fit takes the top off, by half of the curvature (2) times 0.6 spacings squared; at the wall it is one.
-  Scene scene;
-  scene.world.spacing = 0.05;
-  scene.world.dimension = GetParam();
-  scene.numerics.sound_speed = 20;
-  scene.numerics.relax = false;
-  Fluid water;
-  water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
-  scene.fluids = {water};
+  const Scene scene = water_of_a_metre(GetParam());
   const auto fluid = *WcsphFluid::make(scene, *make_bodies(scene), 1);
   for (Record& r : const_cast<Particles&>(fluid->particles()).record) {
     const double z = fluid->coordinates().to_metres(r.x, r.y, r.z)[2];
@@ -120,14 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Dimensions, Turning, ::testing::Values(2, 3));
 class Holes : public ::testing::TestWithParam<int> {
  protected:
   double void_of(double width, double middle) {
-    Scene scene;
-    scene.world.spacing = 0.05;
-    scene.world.dimension = GetParam();
-    scene.numerics.sound_speed = 20;
-    scene.numerics.relax = false;
-    Fluid water;
-    water.fill.box = {{0, -0.5, 0}, {1, 0.5, 1}};
-    scene.fluids = {water};
+    Scene scene = water_of_a_metre(GetParam());
     if (width > 0) {
       Model hole;
       hole.name = "hole", hole.motion = Motion::kStatic;
