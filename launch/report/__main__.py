@@ -74,14 +74,19 @@ def fits(job: Job, patterns: list[str]) -> bool:
 
 def choose(chosen: argparse.Namespace) -> list[Job]:
     methods = set(chosen.methods) if chosen.methods else None
+    by_any = [job for case in ALL for job in jobs_of(case, LEVELS[-1], None)]
+    everything = [job for job in by_any if not methods or job.method in methods]
     # A run that is named by its whole id is meant whatever its level.
-    everything = [job for case in ALL for job in jobs_of(case, LEVELS[-1], methods)]
     named = {job.id for job in everything} & set(chosen.cases)
     patterns = [p for p in chosen.cases if p not in named]
-    unknown = [p for p in chosen.cases if not any(fits(job, [p]) for job in everything)]
-    if unknown:
+    for pattern in chosen.cases:
+        if any(fits(job, [pattern]) for job in everything):
+            continue
+        others = list(dict.fromkeys(job.method for job in by_any if fits(job, [pattern])))
+        if others:
+            raise Refused(f"{pattern} is not run by {', '.join(chosen.methods)}, but by {', '.join(others)}")
         known = f"cases are {', '.join(c.id for c in ALL)}; methods are {', '.join(METHODS)}"
-        raise Refused(f"no run fits {', '.join(unknown)}; {known}")
+        raise Refused(f"no run fits {pattern}; {known}")
     affordable = LEVELS[: LEVELS.index(chosen.level) + 1]
     wanted = [
         job
@@ -92,11 +97,12 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
 
 
 def reference_folders(place: Place, given: Path | None) -> list[Path]:
-    """The folder given, then where `ballast run` looks, too."""
+    """The folder given, or the usual place, and the tables that are the project's own."""
+    if given and not given.is_dir():
+        raise Refused(f"--references: {given} is no folder")
     return [
-        *([given.resolve()] if given else []),
+        given.resolve() if given else place.tree.parent / "shared/reference",
         place.tree / "tests/validation/reference",
-        place.tree.parent / "shared/reference",
     ]
 
 
@@ -218,7 +224,7 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
         "commit": commit(place.tree),
         "repeats": chosen.repeats,
         "load": [min(loads), max(loads)],
-        "busy": max(loads) > max((r["threads"] for r in rows if r.get("threads")), default=1) + 0.5,
+        "busy": max(loads) > compare.most_load(rows),
         "wall_total": sum(w for r in rows for w in r["walls"]),
         "command": shlex.join(["./launch/ballast", "report", *words]),
         "rows": rows,
@@ -261,8 +267,11 @@ def main() -> int:
         return 0
     if not shutil.which("gnuplot"):
         raise Refused("gnuplot, which draws the charts, is not there: apt-get install gnuplot-nox")
-    place.out.mkdir(parents=True, exist_ok=True)
     references = reference_folders(place, chosen.references)
+    try:
+        place.out.mkdir(parents=True, exist_ok=True)
+    except OSError as why:
+        raise Refused(f"--out: {place.out} cannot be made: {why.strerror}; give another folder") from None
     rows: list[dict] = []
     stopped = False
     with alone():

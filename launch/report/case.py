@@ -176,7 +176,8 @@ class Case:
     methods: tuple[str, ...] = ("wcsph", "implicit")
     variants: tuple[Variant, ...] = (Variant(),)
     chart: Chart | None = None
-    shown: tuple[int, ...] | None = None  # which variants the chart shows; None: all
+    second_chart: Chart | None = None
+    shown: tuple[int, ...] | None = None  # which variants the charts show; None: all
     knob: str = "world.spacing"
     overrides: dict[str, str] = field(default_factory=dict)
     source: str = ""
@@ -185,6 +186,10 @@ class Case:
     stability: bool = False  # a line of the stability table, not a section of its own
     beside: Callable[["Job"], tuple[Variant, float]] | None = None  # variant and resolution of the run its figures need
     to_the_limit: bool = False  # a clean stop with code 4 counts as what is wanted beyond some limit
+
+    @property
+    def charts(self) -> list[Chart]:
+        return [chart for chart in (self.chart, self.second_chart) if chart]
 
     @property
     def unit(self) -> str:

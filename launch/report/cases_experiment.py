@@ -141,6 +141,14 @@ THREE_CUBES = Case(
         "Canelas et al. 2016",
         points=True,
     ),
+    second_chart=Chart(
+        "t from the lift of the gate (s)",
+        "z of the top cube (m)",
+        lambda r: (r.series("top.z")[0] - LIFT, r.values("top.z")),
+        lambda v, f: track(THREE.format("z"), "z_m", f),
+        "Canelas et al. 2016",
+        points=True,
+    ),
 )
 
 

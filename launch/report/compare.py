@@ -25,6 +25,11 @@ def time_noise(walls: list[float]) -> float:
     return max(0.05, 3 * (max(walls) - min(walls)) / min(walls) / 2)
 
 
+def most_load(rows: list[dict]) -> float:
+    """That a report makes by itself. The load of a run is that of the minute before it: of other runs of the report."""
+    return max((r["threads"] for r in rows if r.get("threads")), default=1) + 0.5
+
+
 def _line(row: dict, what: str, before: str, now: str, factor: float | None, good: bool, word: str) -> dict:
     return {
         "id": row["id"],
@@ -39,7 +44,8 @@ def _line(row: dict, what: str, before: str, now: str, factor: float | None, goo
 
 def changes(old: dict, new: dict, against: str) -> dict:
     before = {r["id"]: r for r in old["rows"]}
-    lines, same = [], 0
+    lines, same, no_times = [], 0, 0
+    calm_before, calm_now = most_load(old["rows"]), most_load(new["rows"])
     for row in new["rows"]:
         was = before.get(row["id"])
         if was is None:
@@ -73,12 +79,15 @@ def changes(old: dict, new: dict, against: str) -> dict:
                     "better" if b < a else "worse",
                 )
             )
+        if was["load"] > calm_before or row["load"] > calm_now:  # others were at work
+            no_times += 1
+            continue
         a, b = was["wall_s"], row["wall_s"]
         noise = max(time_noise(was["walls"]), time_noise(row["walls"]))
         if a and b and max(a, b) > SHORT and max(a, b) / min(a, b) > 1 + noise:
             lines.append(_line(row, "wall time", seconds(a), seconds(b), b / a, b < a, "faster" if b < a else "slower"))
     machines = "" if old["machine"] == new["machine"] else f" Other machine: {old['machine']}; times do not compare."
-    busy = " Others were at work on the machine: times are upper bounds." if new.get("busy") or old.get("busy") else ""
+    busy = f" Wall times are not compared where others were at work on the machine: {no_times} runs." if no_times else ""
     note = (
         f"{same} runs in common, {len(new['rows']) - same} only here. Errors that changed by more than {100 * ERROR_NOISE:g} %, "
         f"wall times by more than their noise ({100 * TIME_NOISE:g} % for single runs).{machines}{busy}"

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from case import LEVELS, Case, Job, Outcome
+from case import LEVELS, Case, Chart, Job, Outcome
 from metrics import NoFigure, observed_order, pareto_front, time_to_reach
 from references import ReferenceMissing
 from runs import Place, shown_command
 
 CURVE_POINTS = 400  # of a curve kept for the page
+HEADLINES = ("B1", "B4", "B7", "B10", "B11", "X1")  # of the plan: the cases that two-way coupling stands for
+ABSENT = "reference not installed"
 
 
 def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
@@ -32,13 +34,13 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         "run": shown_command(job),
         "report": f"./launch/ballast report {job.id}",
         "measures": [],
-        "curve": None,
+        "curves": [],
     }
     outcome = None
     if note["status"] == "finished":
         outcome = Outcome(place.run_folder(job), job.h, job.variant, references)
         row |= _figures(outcome)
-        row["curve"] = _curve(job.case, outcome)
+        row["curves"] = [_curve(chart, outcome) for chart in job.case.charts]
     stopped_as_wanted = job.case.to_the_limit and note["status"] == "diverged"
     for measure in job.case.measures:
         target = None if stopped_as_wanted else measure.target(job.variant, job.level)
@@ -49,7 +51,7 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         except NoFigure as why:
             remark = str(why)
         except ReferenceMissing as why:
-            remark, verdict = str(why), "reference not installed"
+            remark, verdict = str(why), ABSENT
         entry = {"name": measure.name, "unit": measure.unit, "value": value, "target": target, "note": remark}
         targets = measure.targets_of(job.variant)
         entry["scale"] = targets[0] if targets else None  # what errors of different cases are compared in
@@ -101,11 +103,9 @@ def _figures(outcome: Outcome) -> dict:
     }
 
 
-def _curve(case: Case, outcome: Outcome) -> list[list[float]] | None:
-    if not case.chart:
-        return None
+def _curve(chart: Chart, outcome: Outcome) -> list[list[float]] | None:
     try:
-        x, y = (np.atleast_1d(np.asarray(v, float)) for v in case.chart.run(outcome))
+        x, y = (np.atleast_1d(np.asarray(v, float)) for v in chart.run(outcome))
     except (NoFigure, ReferenceMissing):
         return None
     chosen = np.unique(np.linspace(0, x.size - 1, min(x.size, CURVE_POINTS)).astype(int))
@@ -126,12 +126,13 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases (F, B, X) meet all their targets with at least one solver, and how
     many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
     A case without a run at a level counts there as at the level below. The staggered scheme does not count: it
-    is there to show where it fails. Nor does a figure whose reference is not installed."""
+    is there to show where it fails. A case with a figure whose reference is not installed is not judged at all."""
     lines = []
+    absent = {r["case"] for r in rows if any(m["verdict"] == ABSENT for m in r["measures"])}
     pairs: dict[tuple[str, str], bool] = {}
     for level in LEVELS[1:]:
         at_level = {}
-        for case in (c for c in cases if not c.stability and c.id[0] in "FBX"):
+        for case in (c for c in cases if not c.stability and c.id[0] in "FBX" and c.id not in absent):
             for method in (m for m in case.methods if m != "staggered"):
                 mine = [r for r in rows if (r["case"], r["method"], r["level"]) == (case.id, method, level)]
                 verdicts = [m["verdict"] for r in mine for m in r["measures"] if m["verdict"] in ("met", "missed")]
@@ -153,6 +154,8 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
                     "numbers_met": sum(numbers.values()),
                     "numbers": len(numbers),
                     "missed": [c for c, met in by_case.items() if not met],
+                    "headlines": [(number, numbers[number]) for number in HEADLINES if number in numbers],
+                    "unjudged": [c.id for c in cases if c.id in absent],
                     "pairs_met": sum(pairs.values()),
                     "pairs": len(pairs),
                 }

@@ -109,16 +109,15 @@ def error_chart(case: Case, rows: list[dict], index: int = 0) -> dict | None:
     return {"image": draw(plot), "measure": measure, "front": front} if every else None
 
 
-def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tuple[str, str]:
+def reference_chart(case: Case, number_of_chart: int, rows: list[dict], references: list[Path]) -> tuple[str, str]:
     """Runs at the finest resolution of every method over the reference; and why there is no reference, if so."""
-    chart = case.chart
-    if not chart:
-        return "", ""
+    chart = case.charts[number_of_chart]
     plot = Plot(chart.x, chart.y, log_x=chart.log_x)
     missing = ""
     variants = [case.variants[i] for i in case.shown] if case.shown else list(case.variants)
     names = {v.name for v in variants}
-    with_curve = [r for r in rows if r["curve"] and r["variant"] in names]
+    shown = [r for r in rows if r["curves"] and r["variant"] in names]
+    with_curve = [(r, curve) for r in shown if (curve := r["curves"][number_of_chart])]
     if chart.reference:
         try:
             for number, variant in enumerate(variants[:1] if chart.joined else variants):
@@ -131,14 +130,14 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
                 )
         except ReferenceMissing as why:
             missing = str(why)
-    for method in dict.fromkeys(r["method"] for r in with_curve):
-        mine = [r for r in with_curve if r["method"] == method]
-        finest = min(r["h"] for r in mine)
-        mine = [r for r in mine if r["h"] == finest]
+    for method in dict.fromkeys(r["method"] for r, _ in with_curve):
+        mine = [(r, curve) for r, curve in with_curve if r["method"] == method]
+        finest = min(r["h"] for r, _ in mine)
+        mine = [(r, curve) for r, curve in mine if r["h"] == finest]
         title = f"{method}, {finest:g} {case.unit}"
         colour = COLOURS[method]
         if chart.joined:
-            pairs = sorted((r["curve"][0][0], r["curve"][1][0]) for r in mine)
+            pairs = sorted((x[0], y[0]) for _, (x, y) in mine)
             plot.lines.append(
                 Line(
                     title,
@@ -148,13 +147,13 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
                 )
             )
             continue
-        for number, row in enumerate(mine):
+        for number, (row, (x, y)) in enumerate(mine):
             name = f"{title}{', ' + row['variant'] if row['variant'] else ''}"
             plot.lines.append(
                 Line(
                     name,
-                    row["curve"][0],
-                    row["curve"][1],
+                    x,
+                    y,
                     f"lines lw 1.6 lc rgb '{colour}' dt {DASHES[number % len(DASHES)]}",
                 )
             )
@@ -168,7 +167,7 @@ def reference_chart(case: Case, rows: list[dict], references: list[Path]) -> tup
 
 
 def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
-    chart, missing = reference_chart(case, rows, references)
+    charts = [reference_chart(case, i, rows, references) for i in range(len(case.charts))]
     folders = [place.out / "runs" / r["id"] for r in rows]
     # Where the target is none at all, yes or no, there is nothing to draw on a logarithm's axis.
     judged = [i for i, m in enumerate(case.measures) if i == 0 or any(t > 0 for v in case.variants for t in m.targets_of(v))]
@@ -180,8 +179,8 @@ def case_section(place: Place, case: Case, rows: list[dict], references: list[Pa
         "judged": any(m["target"] is not None for r in rows for m in r["measures"]),
         "low_order": any(is_low(r.get("order")) for r in rows),
         "error_charts": [c for c in (error_chart(case, rows, i) for i in judged) if c],
-        "reference_chart": chart,
-        "missing": missing,
+        "reference_charts": [image for image, _ in charts if image],
+        "missing": "; ".join(dict.fromkeys(why for _, why in charts if why)),
         "start": next((t for t in (thumbnail(f / "start.png") for f in folders) if t), ""),
         "picture": next((t for t in (thumbnail(f / "picture.png") for f in folders) if t), ""),
         "times": [table for i in judged for table in times_to_targets(case, rows, i)],
@@ -233,7 +232,7 @@ def summary(cases: list[Case], rows: list[dict]) -> list[dict]:
                     "runs": len(mine),
                     "failed": len(failed),
                     "status": next(iter(failed), ""),
-                    "to_target": time_to_reach(target, points) if target else None,
+                    "to_target": time_to_reach(target, points) if target is not None else None,
                     "speed": speeds[len(speeds) // 2] if speeds else None,
                     "first": not lines or lines[-1]["case"] is not case,
                 }

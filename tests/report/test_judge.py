@@ -82,10 +82,15 @@ class MetByLevel(unittest.TestCase):
         absent = row("X1", "wcsph", "reference not installed")
         absent["measures"][0]["value"] = None
         self.assertEqual(judge.met_by_level([case("X1")], [absent]), [])
-        both = row("X4", "wcsph", "met")
-        both["measures"] += absent["measures"]
-        [ten] = judge.met_by_level([case("X4")], [both])
-        self.assertEqual((ten["cases_met"], ten["cases"]), (1, 1))
+        half = row("X4", "wcsph", "met")
+        half["measures"] += absent["measures"]
+        [ten] = judge.met_by_level([case("X4"), case("B4")], [half, row("B4", "wcsph", "met")])
+        self.assertEqual((ten["cases_met"], ten["cases"], ten["unjudged"]), (1, 1, ["X4"]))
+
+    def test_a_headline_is_met_if_all_its_parts_are(self):
+        rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("B7", "wcsph", "met"), row("B5", "wcsph", "met")]
+        [ten] = judge.met_by_level([case(r["case"]) for r in rows], rows)
+        self.assertEqual(ten["headlines"], [("B4", False), ("B7", True)])
 
     def test_the_parts_of_a_case_count_as_one_that_is_met_if_all_are(self):
         rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("F5", "wcsph", "met"), row("F5f", "wcsph", "met")]

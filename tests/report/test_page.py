@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import page
-from case import Case, Measure, Variant, judged_at
+from case import Case, Chart, Measure, Variant, judged_at
 from judge import times_to_targets
 from runs import Place
 
@@ -48,7 +48,7 @@ def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: f
         "run": f"run {group}/{h:g}",
         "report": f"report {group}/{h:g}",
         "measures": [measure],
-        "curve": None,
+        "curves": [],
         "particles": 100,
         "steps": 9,
         "particle_steps_per_s": 1e6,
@@ -138,6 +138,21 @@ class Words(unittest.TestCase):
         first, second = re.findall(r'<tr class="first">.*?</tr>', written([of, never], rows), re.S)[:2]
         self.assertIn("coarser only", first)
         self.assertIn("not reached", second)
+
+    def test_a_target_of_0_is_reached_by_a_run_that_has_0(self):
+        of = replace(case("A"), measures=(Measure("hit", "", lambda run: 0.0, (0.0,)),))
+        one = row(of, HEAVY, 0.0)
+        [line] = page.summary([replace(of, methods=("wcsph",))], [one])
+        self.assertEqual(line["to_target"], 1.0)
+        one["measures"][0]["value"] = 1.0
+        self.assertIsNone(page.summary([replace(of, methods=("wcsph",))], [one])[0]["to_target"])
+
+    def test_a_second_chart_stands_beside_the_first(self):
+        line = lambda name: Chart("t", name, lambda run: (0, 0), lambda v, f: ([0, 1], [0, 1]))
+        of = replace(case("A"), chart=line("x"), second_chart=line("z"))
+        curve = [[0.0, 1.0], [0.0, 2.0]]
+        for curves, images in (([curve, curve], 2), ([curve, None], 1), ([], 0)):
+            self.assertEqual(written([of], [row(of, HEAVY, 0.1, curves=curves)]).count('alt="run over reference"'), images)
 
     def test_every_run_has_its_commands_and_every_figure_of_the_summary_leads_to_a_run(self):
         of, stable = case("A"), case("S", stability=True)

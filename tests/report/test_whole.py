@@ -247,16 +247,31 @@ class Report(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("Z9", done.stderr)
 
+    def test_a_method_that_does_not_run_a_case_is_named_with_those_that_do(self):
+        done = self.report("F1", "--methods", "ode", "--out", "a")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("F1 is not run by ode, but by wcsph, implicit", done.stderr)
+
+    def test_folders_that_are_none_are_refused(self):
+        for words in (["--references", "nowhere"], ["--out", "/proc/report"]):
+            done = self.report(CHEAP[0], *words)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(words[0], done.stderr)
+            self.assertIn(words[1], done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
     def test_against_older_results_tells_better_from_worse(self):
         import compare
 
-        def results(error: float, wall: float) -> dict:
+        def results(error: float, wall: float, load: float = 2.0) -> dict:
             return {
                 "machine": "m",
                 "rows": [
                     {
                         "id": "F1/x",
                         "status": "finished",
+                        "threads": 2,
+                        "load": load,
                         "wall_s": wall,
                         "walls": [wall],
                         "measures": [{"name": "e", "unit": "", "value": error}],
@@ -270,6 +285,8 @@ class Report(unittest.TestCase):
         self.assertEqual(words(results(0.1, 10), results(0.1, 11)), [])
         self.assertEqual(words(results(0.1, 10), results(0.05, 20)), ["better", "slower"])
         self.assertEqual(words(results(0.1, 10), results(0.2, 5)), ["worse", "faster"])
+        self.assertEqual(words(results(0.1, 10), results(0.2, 5, load=4)), ["worse"], "others were at work")
+        self.assertIn("others were at work on the machine: 1 runs", compare.changes(results(0.1, 10, 4), results(0.1, 5), "old")["note"])
 
 
 if __name__ == "__main__":
