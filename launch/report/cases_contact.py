@@ -91,6 +91,8 @@ def rolls(name: str, overrides: dict[str, str], acceleration: float) -> Variant:
 ROLLING = Case(
     id="R7",
     title="Rolling and slipping",
+    order_why="a cylinder that slips rocks from end to end, as its contacts change from step to step: up to 3 rad/s, and 0.2 m to the side in 1 s, with steps of 4 and 2 ms, 1 rad/s and 0.02 m with 1 and 0.5 ms; "
+    "the other three are of first order",
     scene="report/roll",
     about="Down an incline of 30 degrees for 1 s: a sphere rolls at 5/7, a cylinder at 2/3 of g sin, with friction 0.1 both slip.",
     source="rigid-body dynamics",
@@ -292,10 +294,12 @@ def stacked(
     names: list[str],
     resolutions: tuple,
     variants: tuple[Variant, ...] = (Variant(),),
+    order_why: str = "",
 ) -> Case:
     return Case(
         id=case,
         title=title,
+        order_why=order_why,
         scene=scene,
         about=about,
         source="no motion",
@@ -326,6 +330,7 @@ HEAVY_ON_LIGHT = stacked(
     ["low", "high"],
     STEPS[1:],
     (Variant("heavy-on-light"), Variant("light-on-heavy", {"models.low.mass": "100", "models.high.mass": "1"})),
+    "the light one on the heavy one moves by less than a nanometre with every step",
 )
 
 # X12

@@ -266,6 +266,7 @@ def shallow_error(run: Outcome) -> float:
 
 SHALLOW_SWAY = Case(
     id="X9b",
+    order_why="against an experiment, whose wave the run does not tend to",
     title="Sloshing of shallow water",
     scene="report/sloshing_shallow",
     about="Water 30 mm deep in a tank of 1 m that moves by 70 mm with a period of 3.0 s: a bore runs to and fro. Height 0.05 m from a wall; the experiment's "

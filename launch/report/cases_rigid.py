@@ -64,6 +64,7 @@ ENDS = np.array([0, 10])  # s
 FLIGHT = Case(
     id="R1",
     title="Free flight",
+    order_why="exact at every step; what is left is round-off",
     scene="report/free_flight",
     about="A box flies at 1 m/s and turns about a principal axis at 1 rad/s for 10 s.",
     source="x = v t",
@@ -198,6 +199,8 @@ ANGLES = np.arange(1.0, 160)  # degrees
 PENDULUM = Case(
     id="R4",
     title="Pendulum",
+    order_why="up to 150 degrees the period is right within 1e-5, of either sign. At 179 degrees it hangs on the amplitude (9 times the radians that are lost), of which "
+    "steps of 4, 2 and 1 ms lose 0.006 to 0.004 % a period, 0.5 ms 0.0005 %",
     scene="report/pendulum",
     about="A rod of 1.5 m on a hinge, let go at 5 to 179 degrees, for 12 s (at 179 the target of the period is 1 %).",
     source="complete elliptic integral",
@@ -311,6 +314,7 @@ def pendulum_energy(run: Outcome) -> Array:
 DOUBLE_PENDULUM = Case(
     id="R14",
     title="Double pendulum",
+    order_why="at most 0.05 %, in fast turns 8.7 and 9.3 s after the start; until 4 s 0.005 to 0.007 % with every step. Why 4 ms is as good as 2 ms was not found",
     scene="report/double_pendulum",
     about="Two rods on hinges let go level, for 10 s: chaotic, but its energy stays.",
     source="conservation of energy",
