@@ -220,7 +220,7 @@ def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], p
         "level": chosen.level,
         "machine": one("machine"),
         "version": one("version"),
-        "threads": one("threads", [r for r in rows if r.get("particles")]),
+        "threads": one("threads", [r for r in rows if r.get("particles")]).replace("; ", " or "),
         "commit": commit(place.tree),
         "repeats": chosen.repeats,
         "load": [min(loads), max(loads)],
