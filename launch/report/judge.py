@@ -129,6 +129,8 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     is there to show where it fails. A case with a figure whose reference is not installed is not judged at all."""
     lines = []
     absent = {r["case"] for r in rows if any(m["verdict"] == ABSENT for m in r["measures"])}
+    number_of = lambda case: re.match(r"[A-Z]\d*", case)[0]
+    half_judged = {number_of(case) for case in absent}
     pairs: dict[tuple[str, str], bool] = {}
     for level in LEVELS[1:]:
         at_level = {}
@@ -143,8 +145,8 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
         by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
         numbers: dict[str, bool] = {}
         for name, met in by_case.items():
-            number = re.match(r"[A-Z]\d*", name)[0]
-            numbers[number] = numbers.get(number, True) and met
+            if (number := number_of(name)) not in half_judged:
+                numbers[number] = numbers.get(number, True) and met
         if at_level:
             lines.append(
                 {

@@ -84,8 +84,10 @@ class MetByLevel(unittest.TestCase):
         self.assertEqual(judge.met_by_level([case("X1")], [absent]), [])
         half = row("X4", "wcsph", "met")
         half["measures"] += absent["measures"]
-        [ten] = judge.met_by_level([case("X4"), case("B4")], [half, row("B4", "wcsph", "met")])
-        self.assertEqual((ten["cases_met"], ten["cases"], ten["unjudged"]), (1, 1, ["X4"]))
+        rows = [half, row("X4b", "wcsph", "met"), row("B4", "wcsph", "met")]
+        [ten] = judge.met_by_level([case(r["case"]) for r in rows], rows)
+        self.assertEqual((ten["cases_met"], ten["cases"], ten["unjudged"]), (2, 2, ["X4"]))
+        self.assertEqual((ten["numbers_met"], ten["numbers"]), (1, 1), "B4; of X4 one part is not judged")
 
     def test_a_headline_is_met_if_all_its_parts_are(self):
         rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("B7", "wcsph", "met"), row("B5", "wcsph", "met")]
