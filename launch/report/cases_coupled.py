@@ -280,7 +280,7 @@ TURNING = Case(
     "radius of its way, rate at which its centre goes round, rate at which it turns itself at the end.",
     source="rigid rotation",
     why="suction tears the water: a full tank without gravity starts under no pressure, and turning puts its middle under suction. Beside the disc, towards the middle, a void opens within a second "
-    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. At 2.5 cm (explicit): 2.8 %; without particle shifting 4.7 %, no "
+    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. What changes it was tried with an earlier version, when it was 2.8 instead of 6.9 % at 2.5 cm (explicit), and not again: without particle shifting 4.7 %, no "
     "artificial viscosity 6.9 %, a viscosity of 1 and 10 Pa s 12 and 5.8 %, sound twice as fast 3.8 %, a third of the diffusion 1.9 %, started 1 cm aside 19 %",
     order_why="where and when the void opens is chance, as above",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),

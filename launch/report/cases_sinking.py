@@ -21,9 +21,9 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
-    why="implicit: 7 to 9 % too slow at 3.75 mm (at 5 mm 10 % at the lowest Reynolds number, 3 % at the highest). In a full closed box disorder of the particles raises a uniform pressure (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm), which acts "
+    why="implicit: 7 to 9 % too slow at 3.75 mm (at 5 mm 6 to 10 %). In a full closed box disorder of the particles raises a uniform pressure (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm), which acts "
     "like friction on unevenly packed ones: the sphere slows from 0.032 to 0.028 m/s; the explicit solver is 2 % off with sound at 2 m/s, up to 5 % at 4 m/s as here",
-    order_why="implicit: what is left is that pressure, which does not fall with the spacing; explicit: 0.4 to 4.1 % too slow but for one, and less so with slower sound (E1 at 3.75 mm: 4.6 % at 4 m/s, 1.5 % at 2 m/s), so of the stiffness that noise meets, not of the spacing",
+    order_why="implicit: what is left is that pressure, which does not fall with the spacing; explicit: 0.4 to 4.1 % too slow but for one, and less so with slower sound (E1 at 3.75 mm, where it is 4.1 %: with an earlier version 4.6 % at 4 m/s, 1.5 % at 2 m/s), so of the stiffness that noise meets, not of the spacing",
     title="Settling sphere",
     scene="report/settling_sphere",
     about="A sphere of 15 mm and 1120 kg/m^3 settles in silicone oil in a box of 100 x 100 x 160 mm, full to the top; its largest speed over that in an endless "
