@@ -51,7 +51,7 @@ def arguments(words: list[str]) -> argparse.Namespace:
         "--repeats", type=int, default=1, metavar="N", help="wall times as medians of N runs (default: 1)"
     )
     parser.add_argument("--again", action="store_true", help="make finished runs again")
-    parser.add_argument("--gate", action="store_true", help="exit code 3 where a figure misses its target or a run ends early")
+    parser.add_argument("--gate", action="store_true", help="exit code 3 where a figure misses its target or has no reference, or a run ends early")
     parser.add_argument("--list", action="store_true", help="print the runs and whether they are finished; make none")
     parser.add_argument("--build", type=Path, required=True, help=argparse.SUPPRESS)
     chosen = parser.parse_args(words)
@@ -300,7 +300,7 @@ def main() -> int:
         f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
         f"{counts['reference not installed']} without reference\n{path}"
     )
-    return 3 if chosen.gate and (failed or counts["missed"]) else 0
+    return 3 if chosen.gate and (failed or counts["missed"] or counts["reference not installed"]) else 0
 
 
 if __name__ == "__main__":

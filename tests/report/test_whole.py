@@ -252,6 +252,12 @@ class Report(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("F1 is not run by ode, but by wcsph, implicit", done.stderr)
 
+    def test_the_gate_does_not_open_where_a_reference_is_missing(self):
+        (self.out / "empty").mkdir()
+        done = self.report("X12/mu0.3/ode/0.002", "--references", "empty", "--gate", "--out", "a")
+        self.assertIn("2 without reference", done.stdout)
+        self.assertEqual(done.returncode, 3, done.stderr)
+
     def test_folders_that_are_none_are_refused(self):
         for words in (["--references", "nowhere"], ["--out", "/proc/report"]):
             done = self.report(CHEAP[0], *words)
