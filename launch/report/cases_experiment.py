@@ -34,6 +34,17 @@ ONE = "dambreak_one_cube_canelas_2016_exp_x.csv"
 THREE = "dambreak_three_stacked_cubes_canelas_2016_exp_{}.csv"
 
 
+def tracked(column: str, name: str, table: str, measured: str) -> Chart:
+    return Chart(
+        "t from the lift of the gate (s)",
+        name,
+        lambda r: (r.series(column)[0] - LIFT, r.values(column)),
+        lambda v, f: track(table, measured, f),
+        "Canelas et al. 2016",
+        points=True,
+    )
+
+
 def still(column: str, start: float):
     return lambda run: float(np.max(np.abs(run.values(column, 0, LIFT) - start)))
 
@@ -94,14 +105,7 @@ ONE_CUBE = Case(
     ),
     variants=rubbing(("cube",)),
     shown=(0,),
-    chart=Chart(
-        "t from the lift of the gate (s)",
-        "x of the cube (m)",
-        lambda r: (r.series("cube.x")[0] - LIFT, r.values("cube.x")),
-        lambda v, f: track(ONE, "x_m", f),
-        "Canelas et al. 2016",
-        points=True,
-    ),
+    chart=tracked("cube.x", "x of the cube (m)", ONE, "x_m"),
 )
 
 THREE_CUBES = Case(
@@ -133,22 +137,8 @@ THREE_CUBES = Case(
     ),
     variants=rubbing(("low", "middle", "top")),
     shown=(0,),
-    chart=Chart(
-        "t from the lift of the gate (s)",
-        "x of the top cube (m)",
-        lambda r: (r.series("top.x")[0] - LIFT, r.values("top.x")),
-        lambda v, f: track(THREE.format("x"), "x_m", f),
-        "Canelas et al. 2016",
-        points=True,
-    ),
-    second_chart=Chart(
-        "t from the lift of the gate (s)",
-        "z of the top cube (m)",
-        lambda r: (r.series("top.z")[0] - LIFT, r.values("top.z")),
-        lambda v, f: track(THREE.format("z"), "z_m", f),
-        "Canelas et al. 2016",
-        points=True,
-    ),
+    chart=tracked("top.x", "x of the top cube (m)", THREE.format("x"), "x_m"),
+    second_chart=tracked("top.z", "z of the top cube (m)", THREE.format("z"), "z_m"),
 )
 
 

@@ -122,6 +122,11 @@ def absolute_error(row: dict) -> float | None:
     return error["value"] * row["h"] if error["value"] is not None and error["unit"] == "dx" else error["value"]
 
 
+def number_of(case: str) -> str:
+    """The plan's id that a case is or is a part of: B4 of B4s."""
+    return re.match(r"[A-Z]\d*", case)[0]
+
+
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases (F, B, X) meet all their targets with at least one solver, and how
     many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
@@ -129,7 +134,6 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     is there to show where it fails. A case with a figure whose reference is not installed is not judged at all."""
     lines = []
     absent = {r["case"] for r in rows if any(m["verdict"] == ABSENT for m in r["measures"])}
-    number_of = lambda case: re.match(r"[A-Z]\d*", case)[0]
     half_judged = {number_of(case) for case in absent}
     pairs: dict[tuple[str, str], bool] = {}
     for level in LEVELS[1:]:
