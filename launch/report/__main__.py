@@ -72,6 +72,11 @@ def fits(job: Job, patterns: list[str]) -> bool:
     )
 
 
+def fits_case(job: Job, pattern: str) -> bool:
+    """Whether it only is in upper and lower case that they differ."""
+    return f"{job.id}/".lower().startswith(f"{pattern}/".lower())
+
+
 def choose(chosen: argparse.Namespace) -> list[Job]:
     methods = set(chosen.methods) if chosen.methods else None
     by_any = [job for case in ALL for job in jobs_of(case, LEVELS[-1], None)]
@@ -86,7 +91,8 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
         if others:
             raise Refused(f"{pattern} is not run by {', '.join(chosen.methods)}, but by {', '.join(others)}")
         known = f"cases are {', '.join(c.id for c in ALL)}; methods are {', '.join(METHODS)}"
-        raise Refused(f"no run fits {pattern}; {known}")
+        meant = next((job.id for job in by_any if fits_case(job, pattern)), None)
+        raise Refused(f"no run fits {pattern}{f', but {meant[: len(pattern)]} would' if meant else ''}; {known}")
     affordable = LEVELS[: LEVELS.index(chosen.level) + 1]
     wanted = [
         job
@@ -109,7 +115,7 @@ def reference_folders(place: Place, given: Path | None) -> list[Path]:
 def pictured(jobs: list[Job]) -> set[str]:
     """One run of each case with a section draws pictures: the first of its finest resolution."""
     out: dict[str, Job] = {}
-    for job in (j for j in jobs if not j.case.stability):
+    for job in (j for j in jobs if not j.case.stability and not j.trial):
         best = out.get(job.case.id)
         if best is None or job.h < best.h:
             out[job.case.id] = job
@@ -127,6 +133,7 @@ COLUMNS = {
     "case": "case",
     "variant": "variant",
     "method": "method",
+    "trial": "trial",
     "level": "level",
     "h": "resolution",
     "status": "status",
@@ -159,7 +166,7 @@ def write_results(place: Place, results: dict, part: str) -> None:
     table = csv.writer(text)
     of_measure = ("name", "unit", "value", "target", "verdict")
     table.writerow([*COLUMNS.values(), "measure", *of_measure[1:], *FIGURES, "report", "command"])
-    for r in results["rows"]:
+    for r in results["rows"] + results["trials"]:
         for m in r["measures"]:
             percent = {k: 100 * m[k] for k in ("value", "target") if m["unit"] == "%" and m[k] is not None}
             shown = m | percent  # in the JSON a share is a share
@@ -173,12 +180,11 @@ def describe(row: dict) -> str:
     if row["status"] != "finished":
         return f"{row['id']}: {row['status']}: {row['message']}"
     figures = ", ".join(
-        f"{m['name']} {page.figure(m['value'], m['unit'])}"
-        + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
-        + (f" [{m['note']}]" if m["note"] else "")
+        f"{m['name']} {page.measured(m['value'], m['unit'])}" + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
         for m in row["measures"]
     )
-    return f"{row['id']}: {figures}; {row['wall_s']:.2f} s"
+    notes = "".join(f" [{note}]" for note in dict.fromkeys(m["note"] for m in row["measures"] if m["note"]))
+    return f"{row['id']}: {figures}; {row['wall_s']:.2f} s{notes}"
 
 
 def carry_out(
@@ -204,30 +210,31 @@ def carry_out(
             if job.id in with_picture and not (place.run_folder(job) / "start.png").is_file():
                 draw_start(place, job)
             row = judge(place, job, note, references)
-            if chosen.references:
+            if chosen.references and row["with_references"]:
                 row["report"] += f" --references {shlex.quote(str(chosen.references))}"
             rows.append(row)
             tqdm.write(describe(row))
 
 
-def results_of(rows: list[dict], chosen: argparse.Namespace, words: list[str], place: Place) -> dict:
-    def one(key: str, of: list[dict] = rows) -> str:
-        return "; ".join(dict.fromkeys(str(r[key]) for r in of if key in r)) or "unknown"
+def results_of(rows: list[dict], trials: list[dict], chosen: argparse.Namespace, words: list[str], place: Place) -> dict:
+    def one(key: str) -> str:
+        return "; ".join(dict.fromkeys(str(r[key]) for r in rows + trials if key in r)) or "unknown"
 
-    loads = [r["load"] for r in rows]
+    loads = [r["load"] for r in rows + trials]
     return {
         "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"),
         "level": chosen.level,
         "machine": one("machine"),
         "version": one("version"),
-        "threads": one("threads", [r for r in rows if r.get("particles")]).replace("; ", " or "),
+        "threads": " or ".join(dict.fromkeys(str(r["threads"]) for r in rows + trials if r.get("particles"))),
         "commit": commit(place.tree),
         "repeats": chosen.repeats,
         "load": [min(loads), max(loads)],
-        "busy": max(loads) > compare.most_load(rows),
-        "wall_total": sum(w for r in rows for w in r["walls"]),
+        "busy": max(loads) > compare.most_load(rows + trials),
+        "wall_total": sum(w for r in rows + trials for w in r["walls"]),
         "command": shlex.join(["./launch/ballast", "report", *words]),
         "rows": rows,
+        "trials": trials,
     }
 
 
@@ -281,12 +288,14 @@ def main() -> int:
             stopped = True
             if not rows:
                 raise
+        made = len(rows)
+        rows, trials = [r for r in rows if not r["trial"]], [r for r in rows if r["trial"]]
         cases: list[Case] = [case for case in ALL if any(job.case is case for job in jobs)]
         for case in cases:
             mark([r for r in rows if r["case"] == case.id])
-        results = results_of(rows, chosen, words, place)
+        results = results_of(rows, trials, chosen, words, place)
         if stopped:  # results and page of all cases stay
-            results["stopped"] = f"stopped after {len(rows)} of {len(jobs)} runs"
+            results["stopped"] = f"stopped after {made} of {len(jobs)} runs"
             write_results(place, results, "_part")
             say_stopped(f"; {results['stopped']}: {place.out / 'results_part.json'} and .csv")
             return 5
@@ -297,9 +306,11 @@ def main() -> int:
     counts = page.tally(rows)
     failed = sum(r["status"] != "finished" for r in rows)
     print(
-        f"{len(rows)} runs, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
+        f"{made} runs{f', {len(trials)} of them trials' if trials else ''}, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
         f"{counts['reference not installed']} without reference\n{path}"
     )
+    if changes:
+        print(compare.in_words(changes))
     return 3 if chosen.gate and (failed or counts["missed"] or counts["reference not installed"]) else 0
 
 

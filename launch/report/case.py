@@ -12,6 +12,7 @@ from metrics import NoFigure
 Array = np.ndarray
 
 LEVELS = ("coarse", "10s", "1min", "10min")  # what a run may cost on two cores; coarse ones only show the order
+TRIALS_FROM = "1min"
 
 
 class Refused(Exception):
@@ -72,7 +73,8 @@ class Outcome:
 
     def __init__(self, folder: Path, h: float, variant: Variant, references: list[Path]):
         self.record = json.loads((folder / "record.json").read_text())
-        self.folder, self.h, self.variant, self.references = folder, h, variant, references
+        self.folder, self.h, self.variant, self._references = folder, h, variant, references
+        self.asked_for_references = False
         self._columns: dict[str, Array] = {}
         self._times: dict[str, Array] = {}
         for name in ("bodies.csv", "probes.csv"):
@@ -85,6 +87,11 @@ class Outcome:
             for index, column in enumerate(names[1:], 1):
                 self._columns[column], self._times[column] = values[:, index], values[:, 0]
 
+    @property
+    def references(self) -> list[Path]:
+        self.asked_for_references = True
+        return self._references
+
     def __getitem__(self, value: str) -> float:
         return self.variant.values[value]
 
@@ -95,7 +102,7 @@ class Outcome:
         folder = (by_method if variant is self.variant else by_method.parent.with_name(variant.name) / by_method.name) / f"{h:g}"
         if not (folder / "record.json").is_file():
             raise NoFigure(f"the run {variant.name} at {h:g} beside it is not there")
-        return Outcome(folder, h, variant, self.references)
+        return Outcome(folder, h, variant, self._references)
 
     def series(self, column: str, start: float = 0, stop: float = np.inf) -> tuple[Array, Array]:
         """Times and values of a column within a window of time."""
@@ -164,6 +171,27 @@ class Chart:
 
 
 @dataclass(frozen=True)
+class Trial:
+    """A run with something changed, to find out what an error comes from. Not judged; made from the level 1min on."""
+
+    name: str  # in its id, behind a plus: X2/wcsph/0.01+viscous
+    changed: str  # in a few words
+    runs: tuple[str, ...]  # what is changed, such as r0.01/wcsph/0.01; a resolution of its own may stand there
+    overrides: dict[str, str] = field(default_factory=dict)
+    scene: str = ""  # instead of the case's, for what no override can change
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found out by looking: why a case misses its targets, why an observed order is below 1, each a sentence or a few
+    per line. Figures in them are fields that reasons.py fills in from the results, the trials' among them."""
+
+    why: str = ""
+    order_why: str = ""
+    trials: tuple[Trial, ...] = ()
+
+
+@dataclass(frozen=True)
 class Case:
     """knob is the key that the resolutions set: the particle spacing, or the step of the rigid engine."""
 
@@ -181,8 +209,7 @@ class Case:
     knob: str = "world.spacing"
     overrides: dict[str, str] = field(default_factory=dict)
     source: str = ""
-    why: str = ""  # it misses, where that was found out by looking
-    order_why: str = ""  # its observed order is below 1, likewise
+    finding: Finding = Finding()
     stability: bool = False  # a line of the stability table, not a section of its own
     beside: Callable[["Job"], tuple[Variant, float]] | None = None  # variant and resolution of the run its figures need
     to_the_limit: bool = False  # a clean stop with code 4 counts as what is wanted beyond some limit
@@ -205,15 +232,25 @@ class Job:
     method: str
     level: str
     h: float
+    trial: Trial | None = None
+
+    @property
+    def base(self) -> str:
+        """Its id without what a trial changes."""
+        return "/".join(x for x in (self.case.id, self.variant.name, self.method, f"{self.h:g}") if x)
 
     @property
     def id(self) -> str:
-        return "/".join(x for x in (self.case.id, self.variant.name, self.method, f"{self.h:g}") if x)
+        return f"{self.base}+{self.trial.name}" if self.trial else self.base
 
     @property
     def group(self) -> str:
         """What it is compared with over resolutions: the same case, variant and method."""
         return "/".join(x for x in (self.case.id, self.variant.name, self.method) if x)
+
+    @property
+    def scene(self) -> str:
+        return self.trial.scene if self.trial and self.trial.scene else self.case.scene
 
     def overrides(self) -> dict[str, str]:
         return {
@@ -221,13 +258,14 @@ class Job:
             **self.case.overrides,
             **METHODS[self.method].overrides,
             **self.variant.overrides,
+            **(self.trial.overrides if self.trial else {}),
         }
 
 
 def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
-    """The runs of a case up to a level, cheap ones first."""
+    """The runs of a case up to a level, cheap ones first, and its trials."""
     allowed = LEVELS[: LEVELS.index(upto) + 1]
-    return [
+    judged = [
         Job(case, variant, method, level, h)
         for level, h in case.resolutions
         if level in allowed
@@ -236,13 +274,21 @@ def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
         for variant in case.variants
         if h not in variant.without
     ]
+    trials = [_trial_of(case, trial, run) for trial in case.finding.trials for run in trial.runs]
+    return judged + [job for job in trials if job.level in allowed and (methods is None or job.method in methods)]
+
+
+def _trial_of(case: Case, trial: Trial, run: str) -> Job:
+    *variant, method, h = run.split("/")
+    named = {v.name: v for v in case.variants}
+    return Job(case, named[variant[0] if variant else ""], method, TRIALS_FROM, float(h), trial)
 
 
 def with_those_beside(wanted: list[Job], everything: list[Job]) -> list[Job]:
-    """The runs wanted, and those that their figures need, in the order of all."""
-    needed = {job.id for job in wanted}
+    """The runs wanted, those that their figures need and those that trials change, in the order of all."""
+    needed = {job.id for job in wanted} | {job.base for job in wanted if job.trial and (job.trial.overrides or job.trial.scene)}
     for job in wanted:
         if job.case.beside:
             variant, h = job.case.beside(job)
-            needed.add(replace(job, variant=variant, h=h).id)
+            needed.add(replace(job, variant=variant, h=h, trial=None).id)
     return [job for job in everything if job.id in needed]

@@ -91,8 +91,6 @@ def rolls(name: str, overrides: dict[str, str], acceleration: float) -> Variant:
 ROLLING = Case(
     id="R7",
     title="Rolling and slipping",
-    order_why="a cylinder that slips rocks from end to end, as its contacts change from step to step: up to 3 rad/s, and 0.2 m to the side in 1 s, with steps of 4 and 2 ms, 1 rad/s and 0.02 m with 1 and 0.5 ms; "
-    "the other three are of first order",
     scene="report/roll",
     about="Down an incline of 30 degrees for 1 s: a sphere rolls at 5/7, a cylinder at 2/3 of g sin, with friction 0.1 both slip.",
     source="rigid-body dynamics",
@@ -131,7 +129,6 @@ def rolls_from(run: Outcome) -> float:
 THROWN_SPHERE = Case(
     id="R7s",
     title="Sphere that slides and comes to roll",
-    order_why="exact at every step; what is left is round-off",
     scene="report/roll",
     about="A sphere set down on a level plane at 2 m/s without spin, friction 0.1: it rolls at 5/7 of that after 2 v / (7 mu g) = 0.58 s.",
     source="rigid-body dynamics",
@@ -188,7 +185,6 @@ def rest_error(run: Outcome) -> float:
 BOUNCING = Case(
     id="R8",
     title="Bouncing ball",
-    order_why="steps are cut at impacts, so that their length hardly matters: heights are off by 0.01 mm and less",
     scene="report/bounce",
     about="A ball dropped from 1 m on a floor, restitution 0 to 1: the first rebound rises to e^2 m; with 0 there is none (shown over the height of the fall). It rests "
     "after sqrt(2 h / g) (1 + e) / (1 - e), 1.354571 s with 0.5; with 0.9 and 1 that is after the end of the run.",
@@ -225,7 +221,6 @@ def after_collision(run: Outcome) -> float:
 COLLISION = Case(
     id="R9",
     title="Head-on collisions",
-    order_why="the same at every step: contacts are soft by 1e-9 of the inverse mass",
     scene="report/collision",
     about="A ball at 1 m/s hits one at rest, masses 1 : 1, 10 and 1000, restitution 0, 0.5 and 1.",
     source="Newton",
@@ -264,7 +259,6 @@ def tipping_error(run: Outcome) -> float:
 TIPPING = Case(
     id="R11",
     title="Tipping",
-    order_why="0.045 degrees at every step: the slab goes on for the 0.45 s in which the box turns by the 0.2 degrees that count as tipping",
     scene="report/tipping",
     about="A box half as wide as high on a slab that is tilted by 0.1 degrees a second, friction 2: it tips at tan = w / h.",
     source="statics",
@@ -294,12 +288,10 @@ def stacked(
     names: list[str],
     resolutions: tuple,
     variants: tuple[Variant, ...] = (Variant(),),
-    order_why: str = "",
 ) -> Case:
     return Case(
         id=case,
         title=title,
-        order_why=order_why,
         scene=scene,
         about=about,
         source="no motion",
@@ -330,7 +322,6 @@ HEAVY_ON_LIGHT = stacked(
     ["low", "high"],
     STEPS[1:],
     (Variant("heavy-on-light"), Variant("light-on-heavy", {"models.low.mass": "100", "models.high.mass": "1"})),
-    "the light one on the heavy one moves by less than a nanometre with every step",
 )
 
 # X12
@@ -373,7 +364,6 @@ COLLAPSE = Case(
     "centre of mass after 0.1, 0.3 and 0.5 s. Friction is not in the data: 0.3 is judged, 0.15 and 0.45 show what it does. The gate is gone at once. The target was set beforehand; "
     "chance sets a floor below it: at friction 0.299, 0.3 and 0.301 and steps from 0.5 to 0.05 ms the largest error is 1.5 to 5 mm, at 1 ms 7 to 10 mm.",
     source="S. Zhang et al., Nucl. Eng. Des. 239 (2009) 471-478, digitised as shares of the box's width",
-    order_why="which way loose cylinders fall is decided by little",
     knob=STEP,
     resolutions=(("coarse", 2e-3), ("coarse", 1e-3), ("10s", 5e-4), ("1min", 1e-4)),
     methods=("ode",),

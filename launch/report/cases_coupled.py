@@ -22,8 +22,6 @@ def largest_tilt(run: Outcome) -> float:
 
 FLOATING_BOX = Case(
     id="B1",
-    order_why="the box floats 0 to 0.5 (explicit) and 0.5 to 0.8 mm (implicit) too deep at every spacing, 0.3 % of its draft at most, with particles in disorder; with a kernel of 4 spacings (wide), where they stay a lattice, "
-    "the order is 1.9 to 2 and nothing drifts",
     title="Floating box: draft, drift, noise",
     scene="floating_box",
     about="A box of 1 x 0.5 m and half the water's density floats in 2-D, set in at its exact draft, for 10 s.",
@@ -74,7 +72,6 @@ ROLLING_BOX = Case(
     "the box of another code's record. It rolls to 45 degrees, at about 1 1/s in the beginning. Shown without a target: at 45 degrees the metacentric height is 1 cm only, "
     "so that a lever of a third of a millimetre turns it by 2 degrees.",
     source="hydrostatics",
-    order_why="implicit: less than a degree at every spacing, a lever of a sixth of a millimetre, of which chance in the packing of the particles decides",
     resolutions=(("coarse", 0.1), ("10s", 0.05), ("1min", 1 / 30), ("10min", 0.025)),
     measures=(
         Measure("mean angle from 15 s on, against 45", "deg", at_rest),
@@ -113,8 +110,6 @@ def release(
     resolutions: tuple,
     longest: float,
     methods: tuple,
-    why: str = "",
-    order_why: str = "0.1 to 2.7 % remain (explicit), set by how the particles happen to lie around the body at the start, differently at each spacing; implicit up to 4.0 % at the lowest level and, at the next, 2.4 % in 2-D and 3.4 % in 3-D, where light bodies have most of it",
     wider: int = 2,
     sound: float = 80,
     sweep: tuple = RATIOS,
@@ -125,8 +120,6 @@ def release(
     return Case(
         id=case,
         title=title,
-        why=why,
-        order_why=order_why,
         scene=scene,
         about=f"A {shape} let go in a concentric container {'twice' if wider == 2 else f'{wider} times'} as wide, full of water, at density ratios {sweep[0]:g} to "
         f"{sweep[-1]:g}: a = g (r - 1) / (r + {coefficient:.4f}). Without its added mass the lightest would start with {1 - 1 / sweep[0]:.0f} g.",
@@ -173,9 +166,6 @@ RELEASE_2D = release(
     (("coarse", 0.02), ("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
     1,
     ("wcsph", "implicit", "staggered"),
-    "the staggered scheme diverges where the body is much lighter than its added mass (at a hundredth of the density; at a tenth with 2 cm), and errs by 1 to 3 % at a tenth; it is here to show that. "
-    "Level 10min: light bodies move by more than a spacing within the window and start 4.2 % off (explicit, a thousandth and a hundredth of the density) and 7 to 11 % (implicit) instead of 2 %; "
-    "until 20 ms, when they have gone half as far, 2.2 and 2.1 %; artificial viscosity is not the reason (4.2, 6.1, 5.9 % with 0.02, 0.005 and 0)",
 )
 RELEASE_WIDE = release(
     "cylinder",
@@ -185,8 +175,6 @@ RELEASE_WIDE = release(
     (("coarse", 0.02), ("10s", 0.01), ("1min", 0.005)),
     0.05,
     ("wcsph", "implicit"),
-    order_why="explicit: two errors of opposite sign, at a hundredth of the density: without artificial viscosity they start 3.8 % too fast at 5 mm, 1.4 % at 1 cm with sound at 200 m/s; "
-    "with it the acceleration falls by 4 % from the first to the last third of the window. Together they are an added mass too large by 0.07, 0.04 and 0.02 of the displaced mass at 2, 1 and 0.5 cm, at every ratio, heavy ones too, whose acceleration feels little of it. Implicit: 0.3 to 5 %, of the packing around the body",
     wider=5,
     sound=200,
     overrides={
@@ -216,11 +204,6 @@ NEUTRAL = Case(
     scene="neutral",
     about="A disc of the water's own density, 0.2 m wide, at rest in mid-depth for 10 s. It stays.",
     source="no motion",
-    why="where the lattice is cut around the disc one side gets a particle more than the other, which pushes it sideways (0.05 m/s^2 at 2.5 cm; none "
-    "with the same number on both sides), and its effective density is off by some tenths of a percent, as B10d shows: it moves 0.2 to 0.6 spacings, sideways at "
-    "2.5 cm and above, up and down at finer ones, and the lattice, which has some strength under pressure, mostly holds it then (implicit at 6.25 mm: not yet after 10 s). "
-    "Letting the water settle around the held disc first changes nothing",
-    order_why="it moves by a share of a spacing, of an amount that chance decides",
     resolutions=(("coarse", 0.05), ("coarse", 0.025), ("10s", 0.0125), ("1min", 0.00625)),
     measures=(Measure("largest way / diameter", "%", lambda r: way(r) / 0.2, (0.01, 0.003, 0.001)),),
     chart=Chart(
@@ -279,10 +262,6 @@ TURNING = Case(
     about="The disc 0.25 m off the centre of a round tank of 1 m, full, that turns at 1 rad/s with all that is in it, for 10 s, without gravity. It goes on to turn with it: "
     "radius of its way, rate at which its centre goes round, rate at which it turns itself at the end.",
     source="rigid rotation",
-    why="suction tears the water: a full tank without gravity starts under no pressure, and turning puts its middle under suction. Beside the disc, towards the middle, a void opens within a second "
-    "(explicit, 1.25 cm: after 1 s; seen in pictures), which then goes to the middle (explicit) or stays there (implicit), and the disc follows it. What changes it was tried with an earlier version, when it was 2.8 instead of 6.9 % at 2.5 cm (explicit), and not again: without particle shifting 4.7 %, no "
-    "artificial viscosity 6.9 %, a viscosity of 1 and 10 Pa s 12 and 5.8 %, sound twice as fast 3.8 %, a third of the diffusion 1.9 %, started 1 cm aside 19 %",
-    order_why="where and when the void opens is chance, as above",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(
         Measure("radius, drift / diameter", "%", lambda r: radius_drift(r) / 0.2, (0.01, 0.003, 0.001)),
@@ -310,7 +289,6 @@ HELD = Case(
     scene="report/held_disc",
     about="The same disc, held at four places of the lattice; the force of the water on it says at which density it would stay where it is.",
     source="Archimedes",
-    order_why="at 2.5 cm beside the middle (right) as at 5 cm, 1.1 %, of which the packing around the disc decides; then above 2 (explicit). Implicit: 0.3 to 0.7 % too little at 1.25 cm, with the level right within 0.04 % and the pressure's gradient within 0.3 %: the disc's surface as the water meets it lies 0.01 to 0.04 spacings inside; accurate steps 0.4 and 0.6 instead of 0.5 and 0.7 %, without shifting the same",
     resolutions=(("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(Measure("effective density", "%", lambda r: abs(effective_density(r) - 1), (0.02, 0.01, 0.005)),),
     variants=tuple(
@@ -359,7 +337,6 @@ def never_hit(run: Outcome, name: str, masses: dict[str, float]) -> float:
 CLOSED_BOX = Case(
     id="B11",
     title="Closed system: momentum",
-    order_why="what is left is what single precision rounds off in 10,000 steps",
     scene="closed_box",
     about="A periodic box without gravity, water and three bodies, two of them joined, the third thrown at them: more than 10,000 steps. What contacts and joints have "
     "given a body is its change of momentum less what it received from the fluid; all of it together is nothing. Angular momentum: B11d.",

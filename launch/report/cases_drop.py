@@ -34,7 +34,6 @@ DROP = Case(
     about="A drop of 1 m radius turns at 0.5 rad/s in empty space, without gravity; in it a log of twice its density runs into a box of half of it. Angular and linear momentum "
     "of all together, at their largest change in 2 s.",
     source="conservation; single precision in the fluid",
-    order_why="what is left is what single precision rounds off",
     resolutions=(("coarse", 0.1), ("coarse", 0.05), ("10s", 0.025), ("1min", 0.0125)),
     measures=(
         Measure("drift of angular momentum", "", lambda r: float(np.abs(turned(r)).max()), (1e-5,)),

@@ -90,7 +90,6 @@ def falls(run: Outcome) -> float:
 
 ONE_CUBE = Case(
     id="X1a",
-    order_why="0.04 to 0.08 m at every spacing: friction, which is not known, moves it as far (explicit, 5 cm: 0.049 to 0.089 m from 0.15 to 0.45; implicit, 3 cm: 0.073 to 0.048 m)",
     title="Dam break on one cube",
     scene="one_cube",
     about=ABOUT,
@@ -110,9 +109,7 @@ ONE_CUBE = Case(
 
 THREE_CUBES = Case(
     id="X1b",
-    order_why="which way loose cubes fall is decided by little, as above; friction of 0.15 and 0.45 instead of 0.3 takes 0.032 m to 0.034 and 0.095 m (explicit, 3 cm), 0.063 m to 0.056 and 0.126 m (implicit, 3 cm)",
     title="Dam break on a column of three cubes",
-    why="at 5 cm the column topples backwards too soon (explicit; implicit the top goes backwards before it falls); implicit at 3 cm the top cube ends 7 to 9 cm ahead. Which way three loose cubes fall is decided by little: details of the solver move these figures by a factor of two: until solids that water leaves beside air no longer lowered its pressure, the explicit solver was 0.038 and 0.031 m off in z at 3.75 and 3 cm instead of 0.095 and 0.057, while a single cube has come closer at every spacing. With the gate lifted 0.5, 1, 1.5 and 2 ms later x is 0.043, 0.025, 0.029, 0.032 m and z 0.034, 0.036, 0.030, 0.049 m (explicit, 3 cm; 0.032 and 0.057 m as it is), x 0.053 to 0.059, z 0.029 to 0.030 m (implicit): one run of five meets both targets. At 3.75 cm (explicit) it is such a fall, too: z is 0.095 m off where it was 0.038 before",
     scene="three_cubes",
     about=ABOUT,
     source=SOURCE,
@@ -188,10 +185,6 @@ def largest_pressure(run: Outcome) -> float:
 IMPACT = Case(
     id="X2b",
     title="Dam break: pressure on the far wall",
-    why="the solver is not what misses: at Buchner's sensor (the same tank twice as large, at a fifth of the column's height) the mean is 2 to 4 % off, and spacings of 1 and 0.5 cm, "
-    "shorter steps, five times the artificial viscosity and the tank in 3-D (1.5 cm) leave P1 where it is, 0.89 to 0.95 rho g H (0.64 measured). The measured P1 and P3, 27 mm above it, are the same from t* = 4 to 6, when the water at the wall "
-    "is nearly at rest and weighs 0.09 more at P1: about a third of the difference. What is left is friction, which free slip lacks: water 200 times as viscous brings P1 to 0.72 and P3 to 0.61 (0.64), at 1 cm, implicit. The wave that falls back, and may catch air, comes at t* = 6",
-    order_why="the arrival goes to 2.38, before the 2.43 measured: no gate, no friction",
     scene="report/dam_break_wall",
     about="A column of 0.6 x 0.3 m collapses in a tank of 1.61 m; when the wall is hit, and the mean pressure 3 mm above its foot (P1) "
     "from t sqrt(g / H) = 3 to 6. Two-dimensional; a probe is as wide as the kernel, more than a sensor, and the largest pressure a mean over 1 ms. "
@@ -220,7 +213,6 @@ IMPACT = Case(
 
 FREE_BOX = Case(
     id="X3f",
-    order_why="its figure is a way, not an error: there is no reference",
     title="Dam break on a box that is free",
     scene="report/obstacle_free",
     about="The dam break on an obstacle, with a box that may slide: 2000 kg/m^3, friction 0.3, the whole tank. How far the wave has pushed it "
@@ -256,7 +248,6 @@ def shallow_error(run: Outcome) -> float:
 
 SHALLOW_SWAY = Case(
     id="X9b",
-    order_why="against an experiment, whose wave the run does not tend to",
     title="Sloshing of shallow water",
     scene="report/sloshing_shallow",
     about="Water 30 mm deep in a tank of 1 m that moves by 70 mm with a period of 3.0 s: a bore runs to and fro. Height 0.05 m from a wall; the experiment's "

@@ -21,9 +21,6 @@ def largest_speed(run: Outcome) -> float:
 
 SETTLING = Case(
     id="X6",
-    why="implicit: 7 to 9 % too slow at 3.75 mm (at 5 mm 6 to 10 %). In a full closed box disorder of the particles raises a uniform pressure (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm), which acts "
-    "like friction on unevenly packed ones: the sphere slows from 0.032 to 0.028 m/s; the explicit solver is 2 % off with sound at 2 m/s, up to 5 % at 4 m/s as here",
-    order_why="implicit: what is left is that pressure, which does not fall with the spacing; explicit: 0.4 to 4.1 % too slow but for one, and less so with slower sound (E1 at 3.75 mm, where it is 4.1 %: with an earlier version 4.6 % at 4 m/s, 1.5 % at 2 m/s), so of the stiffness that noise meets, not of the spacing",
     title="Settling sphere",
     scene="report/settling_sphere",
     about="A sphere of 15 mm and 1120 kg/m^3 settles in silicone oil in a box of 100 x 100 x 160 mm, full to the top; its largest speed over that in an endless "
@@ -73,8 +70,6 @@ def both_ways(run: Outcome) -> float:
 
 WEIGHING = Case(
     id="X6g",
-    why="with full gravity pressure is 1500 Pa at the floor and 0.5 % off a gradient at any spacing (F1), and noisier (implicit): 7 Pa and more, where 24 Pa of excess weight drive the sphere. "
-    "Particle shifting is off where gravity acts; switched on, the explicit sphere is 18 instead of 38 % slower than with reduced gravity. The implicit sphere is fastest in its first 0.06 s (0.14 to 0.17 m/s), and slower than 0.09 m/s later",
     title="Settling sphere, gravity both ways",
     scene="report/settling_sphere",
     about="The fastest of these spheres for 0.6 s with reduced gravity, as above, and with that of the fluid in full; their largest speeds should "
@@ -99,7 +94,7 @@ def height(folders: list, table: str) -> tuple[Array, Array]:
     return rows["t_s"][at], rows["z_m"][at]
 
 
-def block(case: str, title: str, scene: str, about: str, why: str, table: str, size: float, until: float) -> Case:
+def block(case: str, title: str, scene: str, about: str, table: str, size: float, until: float) -> Case:
     def error(run: Outcome) -> float:
         t, z = height(run.references, table)
         at = t <= until
@@ -110,8 +105,6 @@ def block(case: str, title: str, scene: str, about: str, why: str, table: str, s
         title=title,
         scene=scene,
         about=about + " Two-dimensional, as the third dimension is not in the data: shown without a target.",
-        why=why,
-        order_why="the error does not fall with the spacing: what is left is of the set-up, as above",
         source="Wu et al. 2014, set-up of L.-C. Qiu et al., Math. Probl. Eng. 2017, 3174904, digitised",
         resolutions=(("coarse", 0.005), ("10s", 0.004), ("1min", 0.002), ("10min", 0.001)),
         measures=(Measure("height / size of the block, rms", "", error),),
@@ -131,7 +124,6 @@ SINKING = block(
     "Sinking block",
     "report/sinking_block",
     "A block of 20 mm and 2120 kg/m^3 sinks from the surface of water 131 mm deep.",
-    "it runs ahead by up to 9 mm between 0.1 and 0.2 s; the third dimension of the block, with which its added mass goes, is not in the data",
     "falling_block_wu_2014_exp_z.csv",
     0.020,
     0.4,
@@ -141,7 +133,6 @@ RISING = block(
     "Rising block",
     "report/rising_block",
     "A block of 49 x 24 mm and 800.5 kg/m^3 rises from the floor in water 52 mm deep.",
-    "the block stands flush on the floor and lies there 0.6 s before it comes loose, tilted; the measured one leaves at once",
     "rising_block_wu_2014_exp_z.csv",
     0.024,
     1.49,

@@ -66,7 +66,6 @@ FAST = spinning(
         Measure("orientation of the sphere", "rad", sphere_turned),
     ),
     title="Fast spin",
-    order_why="of the sphere at every step only round-off is left",
     source="conservation of energy; the sphere turns about an axis that stays, w t",
 )
 FAST_IN_LONG_STEPS = spinning(

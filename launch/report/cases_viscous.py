@@ -64,8 +64,6 @@ def spring(ratio: float, nu: float = 1e-4) -> Variant:
 
 SPRING = Case(
     id="B3",
-    why="at 1 cm the frequency of light cylinders is 3.5 to 5.5 % too high (explicit), as the layer that viscosity drags along is as thin as half a spacing and most of its added mass is missing (by the order, below); 1.2 % at 5 mm. Implicit 1.6 to 9.7 % and 0.2 to 3.0 %: there another 0.14 and 0.05 of the displaced mass is missing at 1 cm and 5 mm. The decay: the swing, 4 mm, is 0.4 to 0.8 spacings, and shears the particles next to the cylinder into disorder, which takes energy: at 4 mm the first half swings are right (they reach 0.857 and 0.711 of the start, exact 0.871 and 0.759), the last lose a quarter each; a tenth of the density diffusion lowers the error from 50 to 30 %; with ten times the viscosity (B3n) the decay is right within 5 % at 5 mm (ratios 1 to 8), with a tenth it is 1.7 times too fast at 2.5 mm by either solver, 1.9 to 2.6 times at 4 mm (implicit), the frequency within 0.4 %. Implicit without particle shifting: light cylinders shook (300 %)",
-    order_why="the frequency's is 1.7 to 2.4 from 1 cm to 5 mm, and below 1 from 2 to 1 cm for many ratios. Viscosity drags along a layer of 5.6 mm; frequency and decay give its share of the added mass, 0.24 of the displaced mass, as 0.04 at 1 cm and 0.18 at 5 mm (explicit, the same at every ratio), and by chance as -0.2 to 0.12 at 2 cm, where the swing is a fifth of a spacing; implicit -0.24 to -0.43, -0.1 and 0.13. The decay's error is of disorder, as above, not of the spacing: 1 to 18 % at 1 cm and 41 to 44 % at 5 mm (explicit), 69 to 109 and 55 to 91 % (implicit)",
     title="Cylinder on a spring in an annulus",
     scene="report/spring_annulus",
     about="A cylinder of 0.2 m on a spring in a concentric container twice as wide, viscosity 1e-4 m^2/s: added mass and viscous "
@@ -84,8 +82,6 @@ SPRING = Case(
 SPRING_VISCOSITIES = replace(
     SPRING,
     id="B3n",
-    why="",
-    order_why="the frequency's is 0.5 to 0.9 at 1e-5 m^2/s, explicit, with errors of 1.6 % and less: the layer that viscosity drags along, 1.8 mm, is thinner than either spacing, and of its added mass, 0.073 of the displaced mass, 0.02 comes out at 1 cm and 0.04 at 5 mm. The decay's there as in B3, of disorder",
     title="Cylinder on a spring in an annulus: other viscosities",
     about="B3 with ten times and a tenth of its viscosity, without a target. At 1e-3 m^2/s light cylinders do not swing for four periods. 1e-5 m^2/s asks for 40 spacings per radius "
     "(level 10min); at 10 the explicit runs of the two lightest are stopped after 4.7 s, when the fluid has gained 13 and 15 % of its energy (numerics.energy_bound).",
@@ -125,8 +121,6 @@ def fading(
     until: float,
     model: str,
     targets: tuple,
-    order_why: str,
-    why: str = "",
     more: tuple[Measure, ...] = (),
     ratios: tuple[float, ...] = (0.1, 1, 8),
 ) -> Case:
@@ -136,8 +130,6 @@ def fading(
         title=title,
         scene=scene,
         about=about,
-        why=why,
-        order_why=order_why,
         source="diffusion equation with the body as its boundary, finite volumes",
         resolutions=(("coarse", 0.02), ("10s", 0.01), ("1min", 0.005), ("10min", 0.0025)),
         measures=(Measure(f"{label}, NRMSE", "%", lambda r: against(r, column, start, exact, until), targets), *more),
@@ -167,9 +159,6 @@ SPIN_DOWN = fading(
     5,
     "body",
     (0.04, 0.02, 0.01),
-    "implicit, heavy cylinder, 2 to 1 cm: 4.2 and 2.9 %, then 1.1 % at 5 mm; shorter steps and no shifting leave it (3.4, 3.8 % at 1 cm), so it is of the noise in the torque of a coarse ring. From 1 cm to 5 mm 0.83 (explicit, heavy: 0.87, 0.49 %) and 0.65 (implicit, ratio 1: 0.88, 0.56 %): explicit it is the length of the steps, with a Courant number of 0.1 0.11 %; implicit not (accurate: 0.54 %), but the disorder of the particles, which slows the cylinder too fast: 0.87 % without shifting; 0.33 % at 2.5 mm",
-    "angular momentum: two particles push each other along the difference of their velocities (viscosity), not along the line that joins them, and shifting beside walls keeps no angular momentum. "
-    "At 1 cm without shifting 1e-3 of it is lost at the density of the fluid (explicit), without viscosity either 7e-7 (explicit) and 2e-8 (implicit) in a fluid that turns",
     (Measure("angular momentum lost in 5 s", "", turning_lost, (1e-6,)),),
 )
 PLATE = fading(
@@ -184,7 +173,6 @@ PLATE = fading(
     4,
     "plate",
     (0.03, 0.015, 0.007),
-    "from 2 to 1 cm, where the plate is one and two spacings thick; shorter steps change nothing; from 1 cm to 5 mm the order is 2 to 4",
     ratios=(0.1, 1, 10),
 )
 
@@ -216,8 +204,6 @@ def settling_speed(run: Outcome) -> tuple[Array, Array]:
 
 SPHERES = Case(
     id="B8",
-    why="explicit, it sinks too fast: density diffusion evens out the pressure before and behind the sphere, which bears a third of the drag; with a fifth of it 2.7 instead of 5.1 % at 16.8 mm. Implicit, without any, 1.8, 1.6 and 0.6 % at 16.8, 11.2 and 6.4 mm",
-    order_why="these spacings are too coarse for an order: the kernel's radius, 2.9 spacings, is about the sphere's (2.2 to 4.5); with the shorter cubic spline 3.6 instead of 5.1 % at 16.8 mm (explicit). Shorter steps change nothing. Implicit 1.6, 1.8, 1.6, 0.6 % at 22.4 to 6.4 mm",
     title="Periodic array of sinking spheres: drag",
     scene="report/periodic_sphere",
     about="A sphere in a periodic box 2.688 diameters wide, Reynolds number 0.05, after 1.5 s (six times the time that viscosity needs "

@@ -96,3 +96,10 @@ def changes(old: dict, new: dict, against: str) -> dict:
     if old.get("command"):
         note += f" Before: {old['command']} at {old.get('commit')}."
     return {"against": against, "note": note, "lines": lines}
+
+
+def in_words(found: dict) -> str:
+    """A line for the terminal: how many of each."""
+    words = [line["word"] for line in found["lines"]]
+    counts = ", ".join(f"{words.count(word)} {word}" for word in ("better", "worse", "faster", "slower") if word in words)
+    return f"against {found['against']}: {counts or 'no change beyond noise'}; {found['note']}"

@@ -8,7 +8,7 @@ import numpy as np
 from case import LEVELS, Case, Chart, Job, Outcome
 from metrics import NoFigure, observed_order, pareto_front, time_to_reach
 from references import ReferenceMissing
-from runs import Place, shown_command
+from runs import EXPECTED, Place, shown_command
 
 CURVE_POINTS = 400  # of a curve kept for the page
 HEADLINES = ("B1", "B4", "B7", "B10", "B11", "X1")  # of the plan: the cases that two-way coupling stands for
@@ -25,6 +25,8 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         "method": job.method,
         "level": job.level,
         "h": job.h,
+        "trial": job.trial.name if job.trial else "",
+        "base": job.base,
         "status": note["status"],
         "message": note["message"],
         "wall_s": note["wall_s"],
@@ -43,7 +45,7 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         row["curves"] = [_curve(chart, outcome) for chart in job.case.charts]
     stopped_as_wanted = job.case.to_the_limit and note["status"] == "diverged"
     for measure in job.case.measures:
-        target = None if stopped_as_wanted else measure.target(job.variant, job.level)
+        target = None if stopped_as_wanted or job.trial else measure.target(job.variant, job.level)
         value, remark, verdict = None, "", None
         try:
             if outcome:
@@ -57,6 +59,7 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         entry["scale"] = targets[0] if targets else None  # what errors of different cases are compared in
         entry["verdict"] = verdict or _verdict(value, target)
         row["measures"].append(entry)
+    row["with_references"] = outcome is not None and outcome.asked_for_references
     return row
 
 
@@ -146,6 +149,9 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
                     at_level[case.id, method] = all(v == "met" for v in verdicts)
         run_here = {case for case, _ in at_level}
         pairs = {p: met for p, met in pairs.items() if p[0] not in run_here} | at_level
+        by_method = {
+            method: [met for (_, used), met in pairs.items() if used == method] for method in dict.fromkeys(m for _, m in pairs)
+        }
         by_case = {c: any(met for (case, _), met in pairs.items() if case == c) for c, _ in pairs}
         numbers: dict[str, bool] = {}
         for name, met in by_case.items():
@@ -162,11 +168,15 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
                     "missed": [c for c, met in by_case.items() if not met],
                     "headlines": [(number, numbers[number]) for number in HEADLINES if number in numbers],
                     "unjudged": [c.id for c in cases if c.id in absent],
-                    "pairs_met": sum(pairs.values()),
-                    "pairs": len(pairs),
+                    "by_method": [(method, sum(met), len(met)) for method, met in by_method.items()],
                 }
             )
     return lines
+
+
+def too_slow(rows: list[dict]) -> list[dict]:
+    """Runs that took more than twice what their level allows: they are not what that level stands for."""
+    return [r for r in rows if (r["wall_s"] or 0) > 2 * EXPECTED[r["level"]]]
 
 
 def points_of(rows: list[dict], index: int = 0) -> list[dict]:

@@ -6,10 +6,11 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader
 
+import reasons
 import trust
 from case import LEVELS, METHODS, Case
 from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
-from judge import headline, met_by_level, points_of, times_to_targets
+from judge import headline, met_by_level, points_of, times_to_targets, too_slow
 from left_out import LEFT_OUT
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
@@ -26,6 +27,10 @@ def figure(value: float | None, unit: str = "") -> str:
     shown = 100 * value if unit == "%" else value
     text = "0" if shown == 0 else f"{shown:.3g}"
     return f"{text} {unit}".strip()
+
+
+def measured(value: float | None, unit: str) -> str:
+    return "no figure" if value is None else figure(value, unit)
 
 
 def seconds(value: float | None) -> str:
@@ -166,7 +171,7 @@ def reference_chart(case: Case, number_of_chart: int, rows: list[dict], referenc
     return draw(plot) if with_curve else "", missing
 
 
-def case_section(place: Place, case: Case, rows: list[dict], references: list[Path]) -> dict:
+def case_section(place: Place, case: Case, rows: list[dict], trials: list[dict], references: list[Path]) -> dict:
     charts = [reference_chart(case, i, rows, references) for i in range(len(case.charts))]
     folders = [place.out / "runs" / r["id"] for r in rows]
     # Where the target is none at all, yes or no, there is nothing to draw on a logarithm's axis.
@@ -174,6 +179,10 @@ def case_section(place: Place, case: Case, rows: list[dict], references: list[Pa
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
         "case": case,
+        "why": reasons.sentences(case, case.finding.why, rows + trials, figure),
+        "order_why": reasons.sentences(case, case.finding.order_why, rows + trials, figure),
+        "tried": reasons.tried(case, rows, trials),
+        "references": next((r["report"][at:] for r in rows if (at := r["report"].find(" --references ")) >= 0), ""),
         "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])),
         "missed": any(m["verdict"] == "missed" for r in rows for m in r["measures"]),
         "judged": any(m["target"] is not None for r in rows for m in r["measures"]),
@@ -284,11 +293,11 @@ def write(
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"figure": figure, "seconds": seconds, "speed": speed}
+    environment.filters |= {"figure": figure, "measured": measured, "seconds": seconds, "speed": speed}
     environment.tests["low_order"] = is_low
-    rows = results["rows"]
+    rows, trials = results["rows"], results["trials"]
     sections = [
-        case_section(place, case, [r for r in rows if r["case"] == case.id], references)
+        case_section(place, case, *([r for r in some if r["case"] == case.id] for some in (rows, trials)), references)
         for case in cases
         if not case.stability and any(r["case"] == case.id for r in rows)
     ]
@@ -304,7 +313,7 @@ def write(
         tally=tally(rows),
         staggered=tally([r for r in rows if r["method"] == "staggered"])["missed"],
         levels=met_by_level(cases, rows),
-        references=next((r["report"][at:] for r in rows if (at := r["report"].find(" --references ")) >= 0), ""),
+        too_slow=too_slow(rows),
         changes=changes,
         word=WORD,
     )

@@ -57,7 +57,7 @@ def build_hash(place: Place) -> str:
 
 def command(job: Job) -> list[str]:
     """Arguments of `./launch/ballast` that make this run from the root of the tree."""
-    words = ["run", f"scenes/{job.case.scene}.yaml"]
+    words = ["run", f"scenes/{job.scene}.yaml"]
     for path, value in job.overrides().items():
         words += ["--set", f"{path}={value}"]
     return words

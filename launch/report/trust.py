@@ -19,6 +19,7 @@ LIVE = (
     ("interface residual", lambda r: r.get("interface_residual")),
 )
 LEAST = 4  # runs of a case from which ranks say something
+LEAST_IN_ALL = 30  # runs, over all cases, below which the table would be chance: a report of a case or two
 
 
 def _size(value: float | None) -> float | None:
@@ -60,7 +61,7 @@ def word(value: float | None) -> str:
     )
 
 
-def table(cases: list[Case], rows: list[dict]) -> dict:
+def table(cases: list[Case], rows: list[dict], least: int = LEAST_IN_ALL) -> dict:
     """Rows of the table and charts of the figures that vary."""
     known = {c.id for c in cases if not c.stability}
     pairs = [(r, true_error(r)) for r in rows if r["case"] in known and r.get("particles")]
@@ -85,7 +86,7 @@ def table(cases: list[Case], rows: list[dict]) -> dict:
         )
         if inside is not None:
             charts.append(scatter(name, some))
-    return {"rows": out if len(pairs) >= LEAST else [], "charts": [c for c in charts if c]}
+    return {"rows": out if len(pairs) >= least else [], "charts": [c for c in charts if c]}
 
 
 def scatter(name: str, some: list[tuple[float, float, dict]]) -> str:

@@ -53,7 +53,7 @@ class Jobs(unittest.TestCase):
 
 
 class MetByLevel(unittest.TestCase):
-    def test_one_solver_is_enough_for_a_case_and_not_for_its_pairs(self):
+    def test_one_solver_is_enough_for_a_case_and_each_counts_by_itself(self):
         rows = [
             row("B1", "wcsph", "met"),
             row("B1", "implicit", "met"),
@@ -66,7 +66,8 @@ class MetByLevel(unittest.TestCase):
         ]
         cases = [case("B1", ("wcsph", "implicit", "staggered")), case("X1"), case("X7"), case("R1")]
         ten, minute = judge.met_by_level(cases, rows)
-        self.assertEqual((ten["cases_met"], ten["cases"], ten["pairs_met"], ten["pairs"]), (1, 2, 1, 3))
+        self.assertEqual((ten["cases_met"], ten["cases"]), (1, 2))
+        self.assertEqual(ten["by_method"], [("wcsph", 1, 2), ("implicit", 0, 1)])
         self.assertEqual(ten["missed"], ["X1"])
         self.assertEqual((minute["level"], minute["cases_met"], minute["cases"]), ("1min", 0, 2))
 
@@ -98,6 +99,12 @@ class MetByLevel(unittest.TestCase):
         rows = [row("B4", "wcsph", "met"), row("B4s", "implicit", "missed"), row("F5", "wcsph", "met"), row("F5f", "wcsph", "met")]
         [ten] = judge.met_by_level([case(r["case"]) for r in rows], rows)
         self.assertEqual((ten["cases_met"], ten["cases"], ten["numbers_met"], ten["numbers"]), (3, 4, 1, 2))
+
+
+class Slow(unittest.TestCase):
+    def test_runs_beyond_twice_their_level_are_named(self):
+        rows = [row("B1", "wcsph", "met") | {"wall_s": wall} for wall in (19.0, 21.0, None)]
+        self.assertEqual([r["wall_s"] for r in judge.too_slow(rows)], [21.0])
 
 
 class Order(unittest.TestCase):

@@ -17,9 +17,11 @@ import cases_experiment
 import cases_fluid
 import cases_loads
 import cases_spin
+import cases_surface
 import cases_waves
 from case import Outcome, Variant
 from metrics import NoFigure
+from references import read_table
 
 TREE = Path(__file__).resolve().parents[2]
 
@@ -28,11 +30,39 @@ class Made(Outcome):
     """A run that never was: times and columns."""
 
     def __init__(self, t: np.ndarray, columns: dict[str, np.ndarray], references: list[Path] | None = None):
-        self.record, self.h, self.variant, self.references = {}, 1.0, Variant(), references or []
+        self.record, self.h, self.variant, self._references = {}, 1.0, Variant(), references or []
         self._columns, self._times = columns, dict.fromkeys(columns, t)
 
 
 class Measures(unittest.TestCase):
+    def test_a_period_between_troughs_does_not_mind_a_middle_that_sinks(self):
+        t = np.linspace(0, 15, 3001)
+        run = Made(t, {})
+        run.variant = Variant("", {}, {"ratio": 100})
+        exact = cases_waves.exact_frequency(run)
+        for sinks in (0.0, 1e-4):
+            middle = 1.099 - sinks * (t > 6.2)  # at once, near the crest between the troughs
+            run._columns, run._times = {"piston.z": middle + 1e-3 * np.cos(2 * np.pi * exact * t)}, {"piston.z": t}
+            self.assertAlmostEqual(cases_waves.frequency_by_troughs(run) / exact, 1, delta=1e-5)
+        self.assertGreater(abs(cases_waves.piston_frequency(run) / exact - 1), 1e-3)
+
+    def test_the_level_that_fits_best_is_found_between_that_of_the_start_and_that_of_the_end(self):
+        references = [TREE / "tests/validation/reference"]
+        table = read_table(cases_waves.HEAVE, references)
+        lift = 0.0254
+        middle = cases_waves.DEPTH + 0.5 * (cases_waves.rest(lift) - cases_waves.DEPTH)
+        height = middle + (cases_waves.DEPTH + lift - middle) * table["y_over_y0"]
+        run = Made(table["t_star"] * np.sqrt(cases_waves.RADIUS / 9.81), {"body.z": height}, references)
+        run.variant = Variant("", {}, {"lift": lift})
+        self.assertLess(cases_waves.heave_error_at_best(run), 1e-12)
+        self.assertGreater(cases_waves.heave_error(run), 0.01)
+
+    def test_levels_that_no_longer_swing_are_compared_at_the_end(self):
+        t = np.linspace(0, 4, 401)
+        run = Made(t, {"left": np.where(t < 3, 9.0, 0.73), "right": np.full_like(t, 0.7)})
+        run.h = 0.02
+        self.assertAlmostEqual(cases_surface.still_apart(run), 1.5)
+
     def test_the_largest_pressure_on_a_face_is_the_top_of_its_profile_not_a_single_row(self):
         t = np.linspace(1e-4, 0.02, 200)
         columns = {f"p{z}": 12500 * np.where(np.floor(z / 500 / t) == 13, 8.0, 5.0) for z in cases_waves.FACE}

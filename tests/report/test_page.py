@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import page
-from case import Case, Chart, Measure, Variant, judged_at
+from case import Case, Chart, Finding, Measure, Trial, Variant, judged_at
 from judge import times_to_targets
 from runs import Place
 
@@ -42,6 +42,8 @@ def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: f
         "method": "wcsph",
         "level": "10s",
         "h": h,
+        "trial": "",
+        "base": f"{group}/{h:g}",
         "status": "finished",
         "message": "",
         "wall_s": wall,
@@ -68,12 +70,12 @@ def row(of: Case, variant: Variant, value: float | None, h: float = 1.0, wall: f
     } | more
 
 
-def written(cases: list[Case], rows: list[dict]) -> str:
+def written(cases: list[Case], rows: list[dict], trials: list[dict] = []) -> str:
     of_all = {"machine": "m", "version": "0", "commit": "c", "threads": "2", "written": "now", "level": "10s"}
     of_all |= {"wall_total": 1.0, "repeats": 1, "load": [0, 0], "command": "all"}
     with tempfile.TemporaryDirectory() as folder:
         place = Place(Path(folder), Path(folder), Path(folder))
-        return page.write(place, cases, of_all | {"rows": rows}, [], None, "").read_text()
+        return page.write(place, cases, of_all | {"rows": rows, "trials": trials}, [], None, "").read_text()
 
 
 class Targets(unittest.TestCase):
@@ -120,17 +122,29 @@ class Charts(unittest.TestCase):
 
 class Words(unittest.TestCase):
     def test_reasons_stand_only_where_something_misses_or_does_not_converge(self):
-        told = {"why": "because of this", "order_why": "because of that"}
-        cases = [case("Met", **told), case("Missed", **told), case("Silent")]
+        told = Finding(why="because of this.", order_why="because of that.\nAnd of more.")
+        cases = [case("Met", finding=told), case("Missed", finding=told), case("Silent")]
         rows = [row(cases[0], HEAVY, 0.1, order=2.0)]
         rows += [row(c, HEAVY, 2.0, order=0.5) for c in cases[1:]]
         text = written(cases, rows)
         met, missed, silent = text.split("<h2 id=")[1:4]
         self.assertNotIn("because", met)
         self.assertIn("<b>Why it misses:</b> because of this.", missed)
-        self.assertIn("<b>Why its order is below 1:</b> because of that.", missed)
+        self.assertIn("<b>Why its order is below 1:</b><ul><li>because of that.</li><li>And of more.</li></ul>", missed)
         self.assertIn("<b>Why it misses:</b> not looked into.", silent)
         self.assertIn("<b>Why its order is below 1:</b> not looked into.", silent)
+
+    def test_a_trial_is_shown_beside_its_run_and_not_judged(self):
+        trial = Trial("less", "less of it", ("heavy/wcsph/1",))
+        of = case("A", finding=Finding(why="{heavy/wcsph/1+less}, not {heavy/wcsph/1}.", trials=(trial,)))
+        missed = row(of, HEAVY, 2.0)
+        tried = row(of, HEAVY, 0.25) | {"id": "A/heavy/wcsph/1+less", "trial": "less", "report": "report of it"}
+        text = written([of], [missed], [tried])
+        self.assertIn('<a href="#A/heavy/wcsph/1+less">0.25</a>, not <a href="#A/heavy/wcsph/1">2</a>.', text)
+        self.assertIn('id="A/heavy/wcsph/1+less"', text)
+        self.assertIn("<td>less of it", text)
+        self.assertIn("<code>report of it</code>", text)
+        self.assertIn("0 figures meet their target", text)
 
     def test_a_target_that_only_a_coarser_run_meets_is_told_from_one_that_none_does(self):
         of, never = case("A"), case("B")

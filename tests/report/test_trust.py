@@ -24,7 +24,7 @@ def case(name: str) -> Case:
 
 class Trust(unittest.TestCase):
     def first(self, rows: list[dict]) -> dict:
-        return trust.table([case("A"), case("B")], rows)["rows"][0]
+        return trust.table([case("A"), case("B")], rows, least=1)["rows"][0]
 
     def test_inside_cases_and_over_all_are_told_apart(self):
         # Inside each case the error grows with the figure; B has smaller figures and larger errors.
@@ -33,6 +33,11 @@ class Trust(unittest.TestCase):
         self.assertAlmostEqual(line["within"], 1, places=12)
         self.assertEqual(line["within_count"], 8)
         self.assertLess(line["all"], 0)
+
+    def test_a_report_of_a_few_runs_says_nothing(self):
+        rows = [row("A", d, d) for d in range(1, trust.LEAST_IN_ALL + 1)]
+        self.assertEqual(len(trust.table([case("A")], rows)["rows"]), len(trust.LIVE))
+        self.assertEqual(trust.table([case("A")], rows[1:])["rows"], [])
 
     def test_cases_weigh_by_their_runs(self):
         rows = [row("A", d, d) for d in range(1, 7)] + [row("B", d, -d + 9) for d in range(1, 5)]

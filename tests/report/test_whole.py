@@ -246,6 +246,7 @@ class Report(unittest.TestCase):
         done = self.report("Z9", "--out", "a")
         self.assertEqual(done.returncode, 2)
         self.assertIn("Z9", done.stderr)
+        self.assertIn("no run fits f1/WCSPH, but F1/wcsph would", self.report("f1/WCSPH", "--out", "a").stderr)
 
     def test_a_method_that_does_not_run_a_case_is_named_with_those_that_do(self):
         done = self.report("F1", "--methods", "ode", "--out", "a")
@@ -292,6 +293,7 @@ class Report(unittest.TestCase):
         self.assertEqual(words(results(0.1, 10), results(0.05, 20)), ["better", "slower"])
         self.assertEqual(words(results(0.1, 10), results(0.2, 5)), ["worse", "faster"])
         self.assertEqual(words(results(0.1, 10), results(0.2, 5, load=4)), ["worse"], "others were at work")
+        self.assertIn("against old: 1 better, 1 slower;", compare.in_words(compare.changes(results(0.1, 10), results(0.05, 20), "old")))
         self.assertIn("others were at work on the machine: 1 runs", compare.changes(results(0.1, 10, 4), results(0.1, 5), "old")["note"])
 
 

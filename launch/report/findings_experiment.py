@@ -1,0 +1,136 @@
+"""What was found out about experiments: why runs miss them."""
+
+from case import Finding, Trial
+
+# X3 in a plane over the whole width: where its wave goes at spacings that 3-D cannot afford.
+PLANE = {
+    "world.dimension": "2",
+    "world.accuracy": "balanced",
+    "fluids.water.fill.box.min": "[0, -0.5, 0]",
+    "models.tank.shape.open_box.inside": "[3.22, 1, 2]",
+    "models.box.pose": "[2.476, 0, 0.0805]",
+    "probes.p1.pressure_at": "[2.39, 0, 0.021]",
+    "probes.p3.pressure_at": "[2.39, 0, 0.101]",
+}
+
+
+def gate_lifted(delay_ms: str) -> Trial:
+    lift = f"{{ velocity: [0, 0, 1.9], start: {1 + float(delay_ms) / 1000:g} s, stop: 1.5 s }}"
+    runs = ("mu0.3/wcsph/0.03", "mu0.3/implicit/0.03")
+    return Trial(f"gate-{delay_ms}ms", f"the gate lifted {delay_ms} ms later", runs, {"models.gate.prescribed": lift})
+
+
+def slower_gate(speed: str, stop: str, runs: tuple[str, ...]) -> Trial:
+    lift = {"models.gate.prescribed": f"{{ velocity: [0, 0, {speed}], stop: {stop} s }}"}
+    return Trial(f"gate-{speed}", f"a gate lifted at {speed} m/s", runs, lift, scene="report/pillar_gate")
+
+
+FINDINGS = {
+    "X1a": Finding(
+        order_why="{mu0.3/*} at every spacing, as far as friction, which is not known, moves it: {mu*/wcsph/0.05} from 0.15 to 0.45 (explicit, 5 cm), {mu*/implicit/0.03} (implicit, 3 cm)."
+    ),
+    "X1b": Finding(
+        why="at 5 cm the column topples backwards too soon (explicit), or its top does (implicit).\n"
+        "Which way three loose cubes fall is decided by little. With the gate lifted 0.5 to 2 ms later, which no experiment could tell, x is {mu0.3/wcsph/0.03+gate*} and z {mu0.3/wcsph/0.03+gate*|1} off (explicit, 3 cm; {mu0.3/wcsph/0.03} and {mu0.3/wcsph/0.03|1} as it is), "
+        "x {mu0.3/implicit/0.03+gate*} and z {mu0.3/implicit/0.03+gate*|1} (implicit; {mu0.3/implicit/0.03} and {mu0.3/implicit/0.03|1}). So the spread of runs that nothing tells apart is as large as what is missed; "
+        "a run that meets the target meets it by chance, too.\n"
+        "One cube (X1a), which has no such choice, meets its target at every level.",
+        order_why="which way loose cubes fall is decided by little, as above; and by friction, which is not known: {mu*/wcsph/0.03} from 0.15 to 0.45 (explicit, 3 cm), {mu*/implicit/0.03} (implicit).",
+        trials=tuple(gate_lifted(delay) for delay in ("0.5", "1", "1.5", "2")),
+    ),
+    "X2b": Finding(
+        why="a layer along the bed that free slip lacks, more than the solver. At Buchner's sensor (the same tank twice as large, a fifth of the column's height up) the mean is {wcsph/*|4} (explicit) and {implicit/*|4} (implicit) off; "
+        "at P1 neither the spacing ({wcsph/*|1}) nor shorter steps or five times the artificial viscosity ({wcsph/0.01+short-steps|1}, {wcsph/0.01+damped|1}) change much.\n"
+        "Measured, P1, P3 and P4 are nearly one: means over t* = 4 to 6 of 0.60, 0.61 and 0.51 rho g H at 3, 30 and 80 mm, where water at rest would lose 0.26 from the first to the last. The foot of the wall lies in slow water. "
+        "At a Reynolds number of 2e6 the layer on the bed is turbulent and some 2 cm thick.\n"
+        "Water as viscous all over as the eddies of such a layer (0.07 u* delta, 1e-4 m^2/s) takes P1 from {wcsph/0.01|1} to {wcsph/0.01+eddies|1} (explicit, 1 cm) and from {implicit/0.01|1} to {implicit/0.01+eddies|1} (implicit), P3 from {wcsph/0.01|2} and {implicit/0.01|2} to "
+        "{wcsph/0.01+eddies|2} and {implicit/0.01+eddies|2}; the front then comes {wcsph/0.01+eddies} and {implicit/0.01+eddies} late, as all of the tongue is held back. Water's own viscosity, whose layer is thinner than a particle, does not: {wcsph/0.01+sticky|1}, {implicit/0.01+sticky|1}.\n"
+        "P4 is {wcsph/*|3} and {implicit/*|3} low with all of these ({*/0.01+*|3}): measured, it rises to 0.5 within 0.4 of the impact, in the run as the water climbs. What does that was not found.",
+        order_why="the arrival tends to 2.38, before the 2.43 measured: as in X2 the experiment's column sets off later.",
+        trials=(
+            Trial("eddies", "viscosity 0.1 Pa s", ("wcsph/0.01", "implicit/0.01"), {"fluids.water.viscosity": "0.1"}),
+            Trial("sticky", "viscosity 0.001 Pa s, that of water", ("wcsph/0.01", "implicit/0.01"), {"fluids.water.viscosity": "0.001"}),
+            Trial("damped", "five times the artificial viscosity", ("wcsph/0.01",), {"numerics.artificial_viscosity": "0.1"}),
+            Trial("short-steps", "half the length of the steps", ("wcsph/0.01",), {"numerics.courant": "0.75"}),
+        ),
+    ),
+    "X3": Finding(
+        why="single particles, and the experiment's clock. The water before the box is a few particles deep, and each that comes to a sensor is felt: "
+        "in means over 20 ms, after a shift of at most 0.1 in t*, P1 is off by {wcsph/0.028|4} (explicit, 2.8 cm) and {implicit/0.028|4} (implicit), P3 by {wcsph/0.028|5} and {implicit/0.028|5}, instead of {wcsph/0.028|2}, {implicit/0.028|2}, {wcsph/0.028|3} and {implicit/0.028|3}.\n"
+        "The peak is of the same kind, of a front thinner than a spacing: {wcsph/0.028|1} and {implicit/0.028|1} off over 1 ms, {wcsph/0.028|6} and {implicit/0.028|6} over 20 ms. A stricter solve, particle shifting everywhere and five times the artificial viscosity leave it at {implicit/0.028+strict|1}, {implicit/0.028+shifting|1} and {implicit/0.028+damped|1} (implicit). "
+        "In 2-D, with more particles in the front, means over 20 ms after the shift are off by {*/0.01+plane|4} at 1 cm and {*/0.005+plane|4} at 5 mm (P1), {*/0.01+plane|5} and {*/0.005+plane|5} (P3).\n"
+        "The clock: water without friction and gate cannot come late, yet it comes {*+plane} after the time measured, in 2-D from 1 cm to 5 mm. The experiment's time begins after its water does. (In X2, X2b and X8 water comes early: there the experiments' columns set off later.)",
+        order_why="the arrival tends to that offset, not to the time measured: {*/0.01+plane} and {*/0.005+plane} in 2-D at 1 cm and 5 mm.",
+        trials=(
+            Trial("plane", "2-D", ("wcsph/0.01", "wcsph/0.005", "implicit/0.01", "implicit/0.005"), PLANE),
+            Trial("strict", "accuracy: accurate", ("implicit/0.028",), {"world.accuracy": "accurate"}),
+            Trial("shifting", "particle shifting everywhere", ("implicit/0.028",), {"numerics.shifting": "always"}),
+            Trial("damped", "five times the artificial viscosity", ("implicit/0.028",), {"numerics.artificial_viscosity": "0.1"}),
+        ),
+    ),
+    "X3f": Finding(order_why="its figure is a way, not an error: there is no reference."),
+    "X4": Finding(
+        why="explicit: the experiment's last point is 0.15 D less deep than the boundary elements, too, which the run follows within {rho500/wcsph/0.00275}: the two references are 0.07 D apart. The implicit one lies between them.",
+        order_why="at density 1000 the last third of the curve lies below two diameters, above a floor that is 2.7 deep: the gap, 6 mm at the end, is not resolved, and the water in it holds the cylinder up. Until 2 D deep it is {rho1000/implicit/0.011|2}, {rho1000/implicit/0.0055|2} and {rho1000/implicit/0.00275|2} (implicit), "
+        "{rho1000/wcsph/0.011|2}, {rho1000/wcsph/0.0055|2} and {rho1000/wcsph/0.00275|2} (explicit), of first order and above; a tank twice as wide and a stricter solve leave {rho1000/implicit/0.00275+*|0} at 2.75 mm. At density 500 the order is 0.9 and above.",
+        trials=(
+            Trial("strict", "accuracy: accurate", ("rho1000/implicit/0.00275",), {"world.accuracy": "accurate"}),
+            Trial(
+                "wider",
+                "a tank of 2 m",
+                ("rho1000/implicit/0.00275",),
+                {
+                    "fluids.water.fill.box.max": "[2, 0.5, 0.3]",
+                    "models.tank.shape.open_box.inside": "[2, 1, 0.8]",
+                    "models.body.pose": "[1, 0, 0.355]",
+                },
+            ),
+        ),
+    ),
+    "X6": Finding(
+        why="implicit: {*/implicit/0.00375} too slow at 3.75 mm, {*/implicit/0.005} at 5 mm. In a full closed box disorder of the particles raises a uniform pressure (0.1 to 8 Pa from 0.4 to 0.8 s at 3 mm), which acts like friction on unevenly packed ones: the slowest sphere goes from 0.032 down to 0.028 m/s. "
+        "A stricter solve leaves {E1/implicit/0.005+strict} of {E1/implicit/0.005} at 5 mm, no shifting {E1/implicit/0.005+no-shifting}.",
+        order_why="implicit: what is left is that pressure, which does not fall with the spacing. Explicit: {*/wcsph/0.005} at 5 mm, {*/wcsph/0.00375} at 3.75 mm, and with sound at 2 instead of 4 m/s {E1/wcsph/0.00375+slow-sound}, {E2/wcsph/0.00375+slow-sound} and {E3/wcsph/0.00375+slow-sound} instead of {E1/wcsph/0.00375}, {E2/wcsph/0.00375} and {E3/wcsph/0.00375} (E1 to E3): of the stiffness that noise meets, not of the spacing.",
+        trials=(
+            Trial("slow-sound", "sound at 2 m/s", ("E1/wcsph/0.00375", "E2/wcsph/0.00375", "E3/wcsph/0.00375"), {"numerics.sound_speed": "2"}),
+            Trial("strict", "accuracy: accurate", ("E1/implicit/0.005",), {"world.accuracy": "accurate"}),
+            Trial("no-shifting", "no particle shifting", ("E1/implicit/0.005",), {"numerics.shifting": "never"}),
+        ),
+    ),
+    "X6g": Finding(
+        why="with gravity in full the sphere's excess weight, 24 Pa, is the small difference of its weight and of buoyancy six times as large: 6 parts in a hundred of that are a surface 0.025 spacings off, at 2.5 spacings per diameter. And the pressure of the weight, 1500 Pa at the floor, is noisier by itself (implicit: 7 Pa and more).\n"
+        "Particle shifting is off where gravity acts; switched on, it leaves {full/wcsph/0.006+shifting} instead of {full/wcsph/0.006} (explicit) and {full/implicit/0.006+shifting} instead of {full/implicit/0.006} (implicit); with the artificial viscosity that water has {full/wcsph/0.006+damped} and {full/implicit/0.006+damped}. "
+        "The implicit sphere is fastest in its first 0.06 s ({full/implicit/0.006|1}), and slower than 0.09 m/s later.",
+        trials=(
+            Trial("shifting", "particle shifting everywhere", ("full/wcsph/0.006", "full/implicit/0.006"), {"numerics.shifting": "always"}),
+            Trial("damped", "artificial viscosity 0.02", ("full/wcsph/0.006", "full/implicit/0.006"), {"numerics.artificial_viscosity": "0.02"}),
+        ),
+    ),
+    "X7a": Finding(
+        why="it runs ahead by up to 9 mm between 0.1 and 0.2 s; the third dimension of the block, with which its added mass goes, is not in the data.",
+        order_why="the error does not fall with the spacing: what is left is of the set-up, as above.",
+    ),
+    "X7b": Finding(
+        why="the block stands flush on the floor and lies there 0.6 s before it comes loose, tilted; the measured one leaves at once.",
+        order_why="the error does not fall with the spacing: what is left is of the set-up, as above.",
+    ),
+    "X8": Finding(
+        why="the bore comes early: after a shift of at most 0.1 s, which is not allowed here, the force is off by {wcsph/0.02|3} (explicit, 2 cm) and {implicit/0.02|3} (implicit) instead of {wcsph/0.02|1} and {implicit/0.02|1}, the run later by {wcsph/0.02|4} and {implicit/0.02|4}. "
+        "The experiment has a gate, whose speed is not in its data; the run has none. With one lifted at 1.9 m/s, as in X1, the shift is {wcsph/0.02+gate-1.9|4}, at 1 m/s {wcsph/0.02+gate-1|4}, at 0.5 m/s {wcsph/0.02+gate-0.5|4} (explicit) and {implicit/0.02+gate-0.5|4} (implicit), and the force without any shift "
+        "{wcsph/0.02+gate-1.9|1}, {wcsph/0.02+gate-1|1}, {wcsph/0.02+gate-0.5|1} and {implicit/0.02+gate-0.5|1} off. A layer of 2 cm, which the particles can hold, or water fifty times as viscous do not delay it ({wcsph/0.02+deep|4}, {wcsph/0.02+viscous|4}).\n"
+        "The largest force is one of single particles: in means over 0.05 s it is {wcsph/0.02|5} (explicit) and {implicit/0.02|5} (implicit) off.",
+        order_why="the largest force is one row in which particles hit, as above: there is nothing for it to converge to.",
+        trials=(
+            slower_gate("1.9", "0.3", ("wcsph/0.02",)),
+            slower_gate("1", "0.5", ("wcsph/0.02",)),
+            slower_gate("0.5", "0.8", ("wcsph/0.02", "implicit/0.02")),
+            Trial("deep", "a layer of 2 cm on the bed", ("wcsph/0.02",), {"fluids.layer.fill.box.max": "[1.6, 0.61, 0.02]"}),
+            Trial("viscous", "viscosity 0.05 Pa s", ("wcsph/0.02",), {"fluids.water.viscosity": "0.05", "fluids.layer.viscosity": "0.05"}),
+        ),
+    ),
+    "X9": Finding(
+        order_why="{*/*} with both solvers at every spacing, so not of the spacing: crests are 0.15 to 0.21 m high where 0.11 to 0.14 were measured, troughs a quarter to a third deeper, from the first swing on; in time they are right. "
+        "Whether the motion of the tank, which the table only names, is that of the experiment is not known."
+    ),
+    "X9b": Finding(order_why="against an experiment, whose wave the run does not tend to."),
+}
