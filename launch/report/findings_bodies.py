@@ -21,16 +21,17 @@ def smooth(*of: str) -> Trial:
 
 FINDINGS = {
     "B1": Finding(
-        order_why="with particles in disorder the box floats {wcsph/*} (explicit) and {implicit/*} (implicit) off, in spacings, at every spacing: less than a millimetre. With a kernel of 4 spacings (wide), where they stay a lattice, the order is 2 and nothing drifts."
+        order_why="with particles in disorder the box floats {wcsph/*} (explicit) and {implicit/*} (implicit; dx is the spacing) too deep or too high, less than a millimetre. With a kernel of 4 spacings (wide), where they stay a lattice, the order is 2 and nothing drifts."
     ),
     "B1r": Finding(
         order_why="implicit: {implicit/*} at every spacing, a lever of a quarter of a millimetre at most, of which chance in the packing of the particles decides."
     ),
     "B4": Finding(
         why="the staggered scheme, which knows only the bodies' last acceleration, diverges where the body is much lighter than its added mass; it is here to show that.",
-        order_why="artificial viscosity and packing, of either sign. Viscosity (0.02) drags at what should slip: without it bodies of half the density start {r0.5/wcsph/0.01+smooth} and {r0.5/wcsph/0.005+smooth} off at 1 cm and 5 mm (explicit; {r0.5/wcsph/0.01} and {r0.5/wcsph/0.005} with it), {r0.5/implicit/0.01+smooth} and {r0.5/implicit/0.005+smooth} (implicit; {r0.5/implicit/0.01} and {r0.5/implicit/0.005}), "
-        "of 0.9 {r0.9/wcsph/0.01+smooth} and {r0.9/wcsph/0.005+smooth} (explicit; {r0.9/wcsph/0.01} and {r0.9/wcsph/0.005}), of a thousandth {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005}). So where it gets worse at 5 mm, explicit, the two cancelled at 1 cm.\n"
-        "How the particles lie around the body: with the body a part of a spacing aside, explicit, {r*/wcsph/0.01+aside*} at 1 cm and {r*/wcsph/0.005+aside*} at 5 mm. Light bodies have most of it, as they go as far as a spacing within the window; at 2.5 mm, a thousandth of the density, {r0.001/wcsph/0.0025+finer} (explicit) and {r0.001/implicit/0.0025+finer} (implicit).\n"
+        order_why="artificial viscosity (0.02) drags where water should slip, and bodies start too slowly. The drag of such a layer goes with the square root of the viscosity, and so of the spacing: of its share the order is one half.\n"
+        "Without it they start too fast, or right: half the density by {r0.5/wcsph/0.01+smooth} and {r0.5/wcsph/0.005+smooth} at 1 cm and 5 mm (explicit; too slowly by {r0.5/wcsph/0.01} and {r0.5/wcsph/0.005} with it), {r0.5/implicit/0.01+smooth} and {r0.5/implicit/0.005+smooth} (implicit; {r0.5/implicit/0.01} and {r0.5/implicit/0.005}), "
+        "0.9 of the density by {r0.9/wcsph/0.01+smooth} and {r0.9/wcsph/0.005+smooth} (explicit; {r0.9/wcsph/0.01} and {r0.9/wcsph/0.005}), a thousandth by {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005}). Where it gets worse at 5 mm, explicit, the two cancelled at 1 cm.\n"
+        "What is left is of how the particles lie around the body: with the body a part of a spacing aside, explicit, it is {r*/wcsph/0.01+aside*} at 1 cm and {r*/wcsph/0.005+aside*} at 5 mm, of either sign. Light bodies have most of it, as they go half a spacing within the window at 5 mm; at 2.5 mm, a whole one, a thousandth of the density is {r0.001/wcsph/0.0025+finer} (explicit) and {r0.001/implicit/0.0025+finer} (implicit) off.\n"
         "Staggered: the same, and the acceleration a step old.",
         trials=(
             smooth(*runs(("r0.001", "r0.9"), ("wcsph",), 0.01, 0.005), *runs(("r0.5",), BOTH, 0.01, 0.005)),
@@ -42,14 +43,14 @@ FINDINGS = {
         ),
     ),
     "B4w": Finding(
-        order_why="artificial viscosity (0.02) again, at every density: without it, at 1 cm and 5 mm, a thousandth of the density starts {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} off (explicit; {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005} with it), "
-        "{r0.001/implicit/0.01+smooth} and {r0.001/implicit/0.005+smooth} (implicit; {r0.001/implicit/0.01} and {r0.001/implicit/0.005}), twice the density {r2/wcsph/0.01+smooth} and {r2/wcsph/0.005+smooth} ({r2/wcsph/0.01} and {r2/wcsph/0.005}), {r2/implicit/0.01+smooth} and {r2/implicit/0.005+smooth} "
-        "({r2/implicit/0.01} and {r2/implicit/0.005}). It acts in proportion to the spacing, but over the same distance from the body: an order a little below 1.",
+        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and of its share the order is one half. Without it they start too fast, at 1 cm and 5 mm: a thousandth of the density by {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; too slowly by {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005} with it), "
+        "{r0.001/implicit/0.01+smooth} and {r0.001/implicit/0.005+smooth} (implicit; {r0.001/implicit/0.01} and {r0.001/implicit/0.005}), twice the density {r2/wcsph/0.01+smooth} and {r2/wcsph/0.005+smooth} off (explicit; {r2/wcsph/0.01} and {r2/wcsph/0.005}), {r2/implicit/0.01+smooth} and {r2/implicit/0.005+smooth} "
+        "(implicit; {r2/implicit/0.01} and {r2/implicit/0.005}). Heavy bodies feel as much of it, as the force is the same; what is left is of the packing around the body.",
         trials=(smooth(*runs(("r0.001", "r2"), BOTH, 0.01, 0.005)),),
     ),
     "B4s": Finding(
-        order_why="artificial viscosity (0.02) again: without it, at 1.25 and 1 cm, a thousandth of the density starts {r0.001/wcsph/0.0125+smooth} and {r0.001/wcsph/0.01+smooth} off (explicit; {r0.001/wcsph/0.0125} and {r0.001/wcsph/0.01} with it), "
-        "{r0.001/implicit/0.0125+smooth} and {r0.001/implicit/0.01+smooth} (implicit; {r0.001/implicit/0.0125} and {r0.001/implicit/0.01}). With the body a part of a spacing aside it is {r0.001/wcsph/0.0125+aside} and {r0.001/wcsph/0.01+aside-fine}, at eight times the density {r8/wcsph/0.0125+aside} and {r8/wcsph/0.01+aside-fine} "
+        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and of its share the order is one half. Without it, at 1.25 and 1 cm, a thousandth of the density starts {r0.001/wcsph/0.0125+smooth} and {r0.001/wcsph/0.01+smooth} too fast (explicit; {r0.001/wcsph/0.0125} and {r0.001/wcsph/0.01} too slowly with it), "
+        "{r0.001/implicit/0.0125+smooth} and {r0.001/implicit/0.01+smooth} too slowly (implicit; {r0.001/implicit/0.0125} and {r0.001/implicit/0.01}). With the body a part of a spacing aside it is {r0.001/wcsph/0.0125+aside} and {r0.001/wcsph/0.01+aside-fine}, at eight times the density {r8/wcsph/0.0125+aside} and {r8/wcsph/0.01+aside-fine} "
         "({r8/wcsph/0.0125} and {r8/wcsph/0.01}): packing is the smaller part.",
         trials=(
             smooth(*runs(("r0.001",), BOTH, 0.0125, 0.01)),

@@ -54,7 +54,7 @@ FINDINGS = {
     "F4": Finding(
         why="height: particles in disorder, whose pressure is noise of which the kernel's sum is too short a mean. With a kernel of 4 spacings (wide) {wide/0.02|1} and {wide/0.0125|1} are lost at 2 and 1.25 cm, with 2.9 {wcsph/0.02|1} and {wcsph/0.0125|1} (explicit), {implicit/0.02|1} and {implicit/0.0125|1} (implicit).\n"
         "Nothing else that was tried takes away as much, explicit, at 2 cm: a third of the density diffusion {wcsph/0.02+less-diffusion|1}, sound at 20 instead of 31 m/s {wcsph/0.02+slow-sound|1}, particle shifting {wcsph/0.02+shifting|1}, no artificial viscosity {wcsph/0.02+smooth|1}. "
-        "Implicit, shifting {implicit/0.02+shifting|1}, no artificial viscosity {implicit/0.02+smooth|1}, the wider kernel {implicit/0.02+wide|1}.",
+        "Implicit, shifting {implicit/0.02+shifting|1}, no artificial viscosity {implicit/0.02+smooth|1}, the wider kernel {implicit/0.02+wide|1}: none of them much.",
         order_why="the period is right within {*/*} at every spacing, up and down; what sets that was not found.",
         trials=(
             Trial("less-diffusion", "a third of the density diffusion", ("wcsph/0.02",), {"numerics.diffusion": "0.03"}),
@@ -86,7 +86,7 @@ FINDINGS = {
         trials=(Trial("shifting", "particle shifting everywhere", ("implicit/0.04", "implicit/0.02"), SHIFTING),),
     ),
     "F7": Finding(
-        why="water in a channel of a few particles keeps some of a lattice's strength: with a viscosity of 5 Pa s, which lets nothing swing, levels 0.2 m apart stop {wcsph/0.01+thick|3} spacings apart at 1 cm and {wcsph/0.02+thick|3} at 2 cm.",
+        why="water in a channel of a few particles keeps some of a lattice's strength: with a viscosity of 5 Pa s, which lets nothing swing, levels 0.2 m apart stop {wcsph/0.01+thick|3} apart at 1 cm and {wcsph/0.02+thick|3} at 2 cm (dx is the spacing).",
         order_why="from 2.5 to 2 cm the period goes from {wcsph/0.025} to {wcsph/0.02} (explicit) and from {implicit/0.025} to {implicit/0.02} (implicit), for a reason that was not found; from 2 to 1 cm, {*/0.01}, the order is above 2.",
         trials=(Trial("thick", "viscosity 5 Pa s", ("wcsph/0.02", "wcsph/0.01"), {"fluids.water.viscosity": "5"}),),
     ),
