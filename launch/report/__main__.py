@@ -220,7 +220,7 @@ def results_of(rows: list[dict], trials: list[dict], chosen: argparse.Namespace,
     def one(key: str) -> str:
         return "; ".join(dict.fromkeys(str(r[key]) for r in rows + trials if key in r)) or "unknown"
 
-    loads = [r["load"] for r in rows + trials]
+    loads = [r["load"] for r in rows or trials]  # of those whose times are compared
     return {
         "written": datetime.datetime.now().astimezone().isoformat(timespec="minutes"),
         "level": chosen.level,
@@ -230,7 +230,7 @@ def results_of(rows: list[dict], trials: list[dict], chosen: argparse.Namespace,
         "commit": commit(place.tree),
         "repeats": chosen.repeats,
         "load": [min(loads), max(loads)],
-        "busy": max(loads) > compare.most_load(rows + trials),
+        "busy": max(loads) > compare.most_load(rows or trials),
         "wall_total": sum(w for r in rows + trials for w in r["walls"]),
         "command": shlex.join(["./launch/ballast", "report", *words]),
         "rows": rows,
