@@ -28,7 +28,7 @@ FINDINGS = {
     ),
     "B4": Finding(
         why="the staggered scheme, which knows only the bodies' last acceleration, diverges where the body is much lighter than its added mass; it is here to show that.",
-        order_why="artificial viscosity (0.02) drags where water should slip, and bodies start too slowly. The drag of such a layer goes with the square root of the viscosity, and so of the spacing: of its share the order is one half.\n"
+        order_why="artificial viscosity (0.02) takes motion out of the flow around a body, which starts too slowly. Its share, by the runs without it, falls with an order of 0.6 to 1.1 from 1 cm to 5 mm.\n"
         "Without it they start too fast, or right: half the density by {r0.5/wcsph/0.01+smooth} and {r0.5/wcsph/0.005+smooth} at 1 cm and 5 mm (explicit; too slowly by {r0.5/wcsph/0.01} and {r0.5/wcsph/0.005} with it), {r0.5/implicit/0.01+smooth} and {r0.5/implicit/0.005+smooth} (implicit; {r0.5/implicit/0.01} and {r0.5/implicit/0.005}), "
         "0.9 of the density by {r0.9/wcsph/0.01+smooth} and {r0.9/wcsph/0.005+smooth} (explicit; {r0.9/wcsph/0.01} and {r0.9/wcsph/0.005}), a thousandth by {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005}). Where it gets worse at 5 mm, explicit, the two cancelled at 1 cm.\n"
         "What is left is of how the particles lie around the body: with the body a part of a spacing aside, explicit, it is {r*/wcsph/0.01+aside*} at 1 cm and {r*/wcsph/0.005+aside*} at 5 mm, of either sign. Light bodies have most of it, as they go half a spacing within the window at 5 mm; at 2.5 mm, a whole one, a thousandth of the density is {r0.001/wcsph/0.0025+finer} (explicit) and {r0.001/implicit/0.0025+finer} (implicit) off.\n"
@@ -43,13 +43,13 @@ FINDINGS = {
         ),
     ),
     "B4w": Finding(
-        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and of its share the order is one half. Without it they start too fast, at 1 cm and 5 mm: a thousandth of the density by {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; too slowly by {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005} with it), "
+        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and its share falls with an order of 0.6 only. Without it they start too fast, at 1 cm and 5 mm: a thousandth of the density by {r0.001/wcsph/0.01+smooth} and {r0.001/wcsph/0.005+smooth} (explicit; too slowly by {r0.001/wcsph/0.01} and {r0.001/wcsph/0.005} with it), "
         "{r0.001/implicit/0.01+smooth} and {r0.001/implicit/0.005+smooth} (implicit; {r0.001/implicit/0.01} and {r0.001/implicit/0.005}), twice the density {r2/wcsph/0.01+smooth} and {r2/wcsph/0.005+smooth} off (explicit; {r2/wcsph/0.01} and {r2/wcsph/0.005}), {r2/implicit/0.01+smooth} and {r2/implicit/0.005+smooth} "
         "(implicit; {r2/implicit/0.01} and {r2/implicit/0.005}). Heavy bodies feel as much of it, as the force is the same; what is left is of the packing around the body.",
         trials=(smooth(*runs(("r0.001", "r2"), BOTH, 0.01, 0.005)),),
     ),
     "B4s": Finding(
-        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and of its share the order is one half. Without it, at 1.25 and 1 cm, a thousandth of the density starts {r0.001/wcsph/0.0125+smooth} and {r0.001/wcsph/0.01+smooth} too fast (explicit; {r0.001/wcsph/0.0125} and {r0.001/wcsph/0.01} too slowly with it), "
+        order_why="artificial viscosity (0.02), as in B4: all start too slowly, and its share falls with an order of 0.6 only. Without it, at 1.25 and 1 cm, a thousandth of the density starts {r0.001/wcsph/0.0125+smooth} and {r0.001/wcsph/0.01+smooth} too fast (explicit; {r0.001/wcsph/0.0125} and {r0.001/wcsph/0.01} too slowly with it), "
         "{r0.001/implicit/0.0125+smooth} and {r0.001/implicit/0.01+smooth} too slowly (implicit; {r0.001/implicit/0.0125} and {r0.001/implicit/0.01}). With the body a part of a spacing aside it is {r0.001/wcsph/0.0125+aside} and {r0.001/wcsph/0.01+aside-fine}, at eight times the density {r8/wcsph/0.0125+aside} and {r8/wcsph/0.01+aside-fine} "
         "({r8/wcsph/0.0125} and {r8/wcsph/0.01}): packing is the smaller part.",
         trials=(
