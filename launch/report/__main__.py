@@ -23,7 +23,7 @@ import compare
 import page
 from case import LEVELS, METHODS, Case, Job, Refused, jobs_of, with_those_beside
 from cases import ALL
-from judge import judge, mark
+from judge import judge, mark, number_of
 from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make, write_whole
 
 
@@ -68,8 +68,13 @@ def arguments(words: list[str]) -> argparse.Namespace:
 
 def fits(job: Job, patterns: list[str]) -> bool:
     return not patterns or any(
-        fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") for p in patterns
+        fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") or part_of(job.case.id, p) for p in patterns
     )
+
+
+def part_of(case: str, number: str) -> bool:
+    """X1a of X1, which the plan names and no case is."""
+    return number_of(case) == number and all(other.id != number for other in ALL)
 
 
 def fits_case(job: Job, pattern: str) -> bool:

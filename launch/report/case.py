@@ -179,6 +179,7 @@ class Trial:
     runs: tuple[str, ...]  # what is changed, such as r0.01/wcsph/0.01; a resolution of its own may stand there
     overrides: dict[str, str] = field(default_factory=dict)
     scene: str = ""  # instead of the case's, for what no override can change
+    values: dict[str, float] = field(default_factory=dict)  # of its variant, instead of the case's
 
 
 @dataclass(frozen=True)
@@ -280,8 +281,8 @@ def jobs_of(case: Case, upto: str, methods: set[str] | None) -> list[Job]:
 
 def _trial_of(case: Case, trial: Trial, run: str) -> Job:
     *variant, method, h = run.split("/")
-    named = {v.name: v for v in case.variants}
-    return Job(case, named[variant[0] if variant else ""], method, TRIALS_FROM, float(h), trial)
+    of = {v.name: v for v in case.variants}[variant[0] if variant else ""]
+    return Job(case, replace(of, values={**of.values, **trial.values}), method, TRIALS_FROM, float(h), trial)
 
 
 def with_those_beside(wanted: list[Job], everything: list[Job]) -> list[Job]:

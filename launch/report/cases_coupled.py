@@ -88,11 +88,11 @@ RATIOS = (0.001, 0.01, 0.1, 0.5, 0.9, 1.1, 2, 8, 20)  # of the body's density to
 RADIUS = 0.1  # m, of the bodies
 
 
-def first_acceleration(run: Outcome) -> float:
+def first_acceleration(run: Outcome, radii: float = 0.03) -> float:
     """Downwards, over g: slope of the velocity from when sound has gone five times as far as the container's radius
-    until the body has moved by 0.03 radii."""
+    until the body has moved by some radii."""
     t, z = run.series("body.z")
-    moved = np.nonzero(np.abs(z - z[0]) > 0.03 * RADIUS)[0]
+    moved = np.nonzero(np.abs(z - z[0]) > radii * RADIUS)[0]
     return -slope(*run.series("body.vz", 5 * run["wider"] * RADIUS / run["sound"], t[moved[0]] if moved.size else t[-1])) / G
 
 
@@ -131,6 +131,11 @@ def release(
                 "%",
                 lambda r: relative(first_acceleration(r), float(released(np.array(r["ratio"]), coefficient))),
                 (0.08, 0.04, 0.02),
+            ),
+            Measure(
+                "until 0.01 radii",
+                "%",
+                lambda r: relative(first_acceleration(r, 0.01), float(released(np.array(r["ratio"]), coefficient))),
             ),
         ),
         methods=methods,

@@ -92,7 +92,7 @@ PISTON = Case(
 # B9
 
 HEAVE = "heave_decay_halfimmersed_cylinder_theory.csv"
-RADIUS, TANK, DEPTH = 0.0762, 2.0, 0.5  # m
+RADIUS, DEPTH = 0.0762, 0.5  # m
 
 
 def immersed(height: float) -> float:
@@ -100,16 +100,16 @@ def immersed(height: float) -> float:
     return RADIUS**2 * math.acos(height / RADIUS) - height * math.sqrt(RADIUS**2 - height**2)
 
 
-def rest(lift: float) -> float:
-    """Height of the centre at rest, m: where it starts lifted less water is carved out."""
-    return DEPTH + (math.pi * RADIUS**2 / 2 - immersed(lift)) / TANK
+def rest(lift: float, tank: float) -> float:
+    """Height of the centre at rest in a tank of that width, m: where it starts lifted less water is carved out."""
+    return DEPTH + (math.pi * RADIUS**2 / 2 - immersed(lift)) / tank
 
 
 def heave(run: Outcome, spread: float = 1) -> tuple[Array, Array]:
     """t sqrt(g / a) and height over that at the start, about where it would rest once a share of the water that it pushes
     aside has spread over the tank."""
     t, z = run.series("body.z")
-    middle = DEPTH + spread * (rest(run["lift"]) - DEPTH)
+    middle = DEPTH + spread * (rest(run["lift"], run["tank"]) - DEPTH)
     return t * math.sqrt(G / RADIUS), (z - middle) / (z[0] - middle)
 
 
@@ -144,7 +144,7 @@ def heaving(
             Measure("height, rms over that at the start", "", heave_error, (0.08, 0.04, 0.02)),
             Measure("about the level that fits best, rms", "", heave_error_at_best),
         ),
-        variants=(Variant("", {"models.body.pose": f"[1, 0, {DEPTH + lift:g}]"}, {"lift": lift}),),
+        variants=(Variant("", {"models.body.pose": f"[1, 0, {DEPTH + lift:g}]"}, {"lift": lift, "tank": 2}),),
         chart=Chart("t sqrt(g / a)", "height / at the start", heave, lambda v, f: heave_theory(f), "linear theory"),
     )
 
@@ -174,6 +174,12 @@ def moment(run: Outcome) -> Array:
 
 
 EXACT = hinge_moment(0.5)
+THRUST = 1000 * G * 0.5**2 / 2  # N per metre, on the gate
+
+
+def on_foot(run: Outcome) -> float:
+    """Horizontal force on the round foot, in its groove, over that on the gate: it goes through the hinge."""
+    return run.mean("gate.fx", 1) / THRUST - 1
 GATE = Case(
     id="B13",
     title="Gate that holds back water",
@@ -185,6 +191,7 @@ GATE = Case(
     measures=(
         Measure("mean moment", "%", lambda r: relative(float(moment(r).mean()), EXACT), (0.03, 0.015, 0.007)),
         Measure("rms of the moment", "%", lambda r: float(moment(r).std()) / EXACT, (0.05, 0.02, 0.01)),
+        Measure("force on the foot / on the gate", "%", on_foot),
     ),
     chart=Chart(
         "t (s)",

@@ -166,7 +166,11 @@ def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
                     "numbers_met": sum(numbers.values()),
                     "numbers": len(numbers),
                     "missed": [c for c, met in by_case.items() if not met],
-                    "headlines": [(number, numbers[number]) for number in HEADLINES if number in numbers],
+                    "headlines": [
+                        (number, next(c for c in by_case if number_of(c) == number), numbers[number])
+                        for number in HEADLINES
+                        if number in numbers
+                    ],
                     "unjudged": [c.id for c in cases if c.id in absent],
                     "by_method": [(method, sum(met), len(met)) for method, met in by_method.items()],
                 }

@@ -9,7 +9,8 @@ from markupsafe import Markup, escape
 from case import Case
 
 FIELD = re.compile(r"\{([^{}|]+)(?:\|(\d+))?\}")  # {run} or {run|measure}: r0.1/wcsph/0.01, wcsph/*, wcsph/0.01+viscous|1
-NO_RUN = "(not run)"
+NO_RUN = "…"
+LATER = "…: figures of runs that the level 1min makes: ./launch/ballast report {} --level 1min"
 
 
 def fields(text: str) -> list[tuple[str, int]]:
@@ -40,7 +41,10 @@ def sentences(case: Case, text: str, rows: list[dict], figure) -> list[Markup]:
             return NO_RUN if not mine else "none"
         return f'<a href="#{escape(mine[0]["id"])}">{escape(between(values, measure.unit, figure))}</a>'
 
-    return [Markup(FIELD.sub(quoted, str(escape(line)))) for line in text.splitlines() if line]
+    lines = [FIELD.sub(quoted, str(escape(line))) for line in text.splitlines() if line]
+    if any(NO_RUN in line for line in lines):
+        lines.append(LATER.format(case.id))
+    return [Markup(line) for line in lines]
 
 
 def tried(case: Case, rows: list[dict], trials: list[dict]) -> list[dict]:
@@ -48,6 +52,10 @@ def tried(case: Case, rows: list[dict], trials: list[dict]) -> list[dict]:
     changed = {trial.name: trial.changed for trial in case.finding.trials}
     lines: list[dict] = []
     for base in dict.fromkeys(r["base"] for r in trials):
-        lines += [{"row": r, "changed": ""} for r in rows if r["id"] == base]
-        lines += [{"row": r, "changed": changed[r["trial"]]} for r in trials if r["base"] == base]
+        before = [r for r in rows if r["id"] == base]
+        lines += [{"row": r, "changed": ""} for r in before]
+        same = {r["state_hash"] for r in before if r.get("state_hash")}
+        for r in (r for r in trials if r["base"] == base):
+            nothing = " (the same, bit for bit: it changes nothing here)" if r.get("state_hash") in same else ""
+            lines.append({"row": r, "changed": changed[r["trial"]] + nothing})
     return lines

@@ -43,7 +43,7 @@ class Sentences(unittest.TestCase):
         self.assertEqual(said("one\ntwo"), ["one", "two"])
 
     def test_a_run_that_is_not_there_is_said_to_be_missing(self):
-        self.assertEqual(said("{heavy/wcsph/0.25+less}; {heavy/wcsph/0.5}"), [f"{reasons.NO_RUN}; none"])
+        self.assertEqual(said("{heavy/wcsph/0.25+less}; {heavy/wcsph/0.5}"), [f"{reasons.NO_RUN}; none", reasons.LATER.format("A")])
 
     def test_a_figure_leads_to_its_run_and_text_is_no_markup(self):
         [line] = reasons.sentences(CASE, "a < b: {light/wcsph/1}", ROWS, page.figure)
@@ -52,6 +52,12 @@ class Sentences(unittest.TestCase):
     def test_trials_stand_behind_the_run_that_they_change(self):
         lines = reasons.tried(CASE, ROWS, TRIALS)
         self.assertEqual([(line["row"]["id"], line["changed"]) for line in lines], [("A/light/wcsph/0.5", ""), ("A/light/wcsph/0.5+less", "less of it")])
+
+
+    def test_a_trial_that_changes_nothing_says_so(self):
+        before, after = row("light/wcsph/0.5", 0.2) | {"state_hash": "a"}, row("light/wcsph/0.5+less", 0.2) | {"state_hash": "a"}
+        self.assertIn("it changes nothing here", reasons.tried(CASE, [before], [after])[1]["changed"])
+        self.assertEqual(reasons.tried(CASE, [before], [after | {"state_hash": "b"}])[1]["changed"], "less of it")
 
 
 class Trials(unittest.TestCase):

@@ -246,6 +246,7 @@ class Report(unittest.TestCase):
         done = self.report("Z9", "--out", "a")
         self.assertEqual(done.returncode, 2)
         self.assertIn("Z9", done.stderr)
+        self.assertEqual(self.report("X7", "--list").stdout.count("X7a/"), self.report("X7a", "--list").stdout.count("X7a/"), "a part of the plan's X7")
         self.assertIn("no run fits f1/WCSPH, but F1/wcsph would", self.report("f1/WCSPH", "--out", "a").stderr)
 
     def test_a_method_that_does_not_run_a_case_is_named_with_those_that_do(self):
