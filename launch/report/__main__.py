@@ -25,6 +25,7 @@ from case import LEVELS, METHODS, Case, Job, Refused, jobs_of, with_those_beside
 from cases import ALL
 from judge import judge, mark, number_of
 from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make, write_whole
+from shown import measured
 
 
 def arguments(words: list[str]) -> argparse.Namespace:
@@ -68,13 +69,14 @@ def arguments(words: list[str]) -> argparse.Namespace:
 
 def fits(job: Job, patterns: list[str]) -> bool:
     return not patterns or any(
-        fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") or part_of(job.case.id, p) for p in patterns
+        fnmatch.fnmatchcase(job.id, p) or fnmatch.fnmatchcase(job.id, p + "/*") for p in patterns
     )
 
 
-def part_of(case: str, number: str) -> bool:
-    """X1a of X1, which the plan names and no case is."""
-    return number_of(case) == number and all(other.id != number for other in ALL)
+def cases_of(pattern: str) -> list[str]:
+    """X1a and X1b for X1, which the plan names and no case is."""
+    parts = [case.id for case in ALL if number_of(case.id) == pattern]
+    return [pattern] if pattern in parts or not parts else parts
 
 
 def fits_case(job: Job, pattern: str) -> bool:
@@ -86,10 +88,11 @@ def choose(chosen: argparse.Namespace) -> list[Job]:
     methods = set(chosen.methods) if chosen.methods else None
     by_any = [job for case in ALL for job in jobs_of(case, LEVELS[-1], None)]
     everything = [job for job in by_any if not methods or job.method in methods]
+    asked = [p for word in chosen.cases for p in cases_of(word)]
     # A run that is named by its whole id is meant whatever its level.
-    named = {job.id for job in everything} & set(chosen.cases)
-    patterns = [p for p in chosen.cases if p not in named]
-    for pattern in chosen.cases:
+    named = {job.id for job in everything} & set(asked)
+    patterns = [p for p in asked if p not in named]
+    for pattern in asked:
         if any(fits(job, [pattern]) for job in everything):
             continue
         others = list(dict.fromkeys(job.method for job in by_any if fits(job, [pattern])))
@@ -185,7 +188,7 @@ def describe(row: dict) -> str:
     if row["status"] != "finished":
         return f"{row['id']}: {row['status']}: {row['message']}"
     figures = ", ".join(
-        f"{m['name']} {page.measured(m['value'], m['unit'])}" + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
+        f"{m['name']} {measured(m['value'], m['unit'])}" + (f" ({m['verdict']})" if m["verdict"] != "no target" else "")
         for m in row["measures"]
     )
     notes = "".join(f" [{note}]" for note in dict.fromkeys(m["note"] for m in row["measures"] if m["note"]))

@@ -56,8 +56,8 @@ def calm_error(number: int):
     return error
 
 
-def calm_peak(run: Outcome) -> float:
-    return relative(float(sensor(1, CALM_S)(run)[1].max()), float(measured(1, run.references)[1].max()))
+def peak_error(mean_over: float = IMPACT_S):
+    return lambda run: relative(float(sensor(1, mean_over)(run)[1].max()), float(measured(1, run.references)[1].max()))
 
 
 OBSTACLE_HIT = Case(
@@ -79,14 +79,14 @@ OBSTACLE_HIT = Case(
         Measure(
             "P1, peak",
             "%",
-            lambda r: relative(float(sensor(1)(r)[1].max()), float(measured(1, r.references)[1].max())),
+            peak_error(),
             (0.5, 0.3, 0.2),
         ),
         Measure("P1, NRMSE", "%", pressure_error(1), (0.25, 0.18, 0.12)),
         Measure("P3, NRMSE", "%", pressure_error(3), (0.25, 0.18, 0.12)),
         Measure("P1, NRMSE of means over 20 ms after a shift", "%", calm_error(1)),
         Measure("P3, the same", "%", calm_error(3)),
-        Measure("P1, largest mean over 20 ms", "%", calm_peak),
+        Measure("P1, largest mean over 20 ms", "%", peak_error(CALM_S)),
         LOST,
     ),
     chart=Chart(

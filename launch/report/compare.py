@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from case import Refused
-from page import figure, seconds
+from shown import figure, seconds
 
 ERROR_NOISE = 0.02  # a run repeats bit for bit, so this is only what is worth a line
 TIME_NOISE = 0.25  # single runs on a machine with other work on it; less if both are medians of several

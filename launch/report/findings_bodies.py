@@ -1,22 +1,13 @@
 """What was found out about bodies that only the fluid drives, with an exact answer."""
 
 from case import Finding, Trial
+from trials import damped, no_shifting, smooth, strict, wide
 
-STRICT = {"world.accuracy": "accurate"}
-SMOOTH = {"numerics.artificial_viscosity": "0"}
-DAMPED = {"numerics.artificial_viscosity": "0.1"}
-NO_SHIFTING = {"numerics.shifting": "never"}
-LESS_DIFFUSION = {"numerics.diffusion": "0.02"}
-WIDE = {"numerics.support": "4"}
 BOTH = ("wcsph", "implicit")
 
 
 def runs(variants: tuple[str, ...], methods: tuple[str, ...], *resolutions: float) -> tuple[str, ...]:
     return tuple(f"{v}/{m}/{h:g}" for v in variants for m in methods for h in resolutions)
-
-
-def smooth(*of: str) -> Trial:
-    return Trial("smooth", "no artificial viscosity", of, SMOOTH)
 
 
 FINDINGS = {
@@ -63,8 +54,8 @@ FINDINGS = {
         "Where it lies in the lattice matters little, put 0.3 spacings aside and up it goes {wcsph/0.0125+aside} and {implicit/0.0125+aside}; nor does five times the artificial viscosity, {wcsph/0.0125+damped} and {implicit/0.0125+damped}.",
         order_why="it moves by a share of a spacing, of an amount that chance decides.",
         trials=(
-            Trial("wide", "a kernel of 4 spacings", ("wcsph/0.0125", "implicit/0.0125"), WIDE),
-            Trial("damped", "five times the artificial viscosity", ("wcsph/0.0125", "implicit/0.0125"), DAMPED),
+            wide("wcsph/0.0125", "implicit/0.0125"),
+            damped("wcsph/0.0125", "implicit/0.0125"),
             Trial("aside", "disc 0.3 spacings aside and up", ("wcsph/0.0125", "implicit/0.0125"), {"models.disc.pose": "[0.50375, 0, 0.50375]"}),
         ),
     ),
@@ -75,7 +66,7 @@ FINDINGS = {
         "What is left without shifting, a third of a spacing at most, was not found; the target is 0.05 to 0.08 of one.",
         order_why="with shifting the disc is carried either way, as above, in or out with the spacing. Without it the order is above 1 for the explicit solver, {wcsph/0.025+no-shifting} and {wcsph/0.0125+no-shifting}, and just below for the implicit one, {implicit/0.025+no-shifting} and {implicit/0.0125+no-shifting}.",
         trials=(
-            Trial("no-shifting", "no particle shifting", ("wcsph/0.025", "wcsph/0.0125", "implicit/0.025", "implicit/0.0125"), NO_SHIFTING),
+            no_shifting("wcsph/0.025", "wcsph/0.0125", "implicit/0.025", "implicit/0.0125"),
             Trial("pressed", "gravity 0.6 m/s^2", ("wcsph/0.025", "wcsph/0.0125", "implicit/0.025", "implicit/0.0125"), {"world.gravity": "[0, 0, -0.6]"}),
             smooth("wcsph/0.025", "implicit/0.025"),
             Trial("viscous", "viscosity 1 Pa s", ("wcsph/0.025", "implicit/0.025"), {"fluids.water.viscosity": "1"}),
@@ -88,7 +79,7 @@ FINDINGS = {
         order_why="explicit: at 2.5 cm beside the middle (right) as at 5 cm, {right/wcsph/0.05} and {right/wcsph/0.025}; the four places differ by as much as their errors, {*/wcsph/0.025} at 2.5 cm: how the lattice is cut around the disc. From there to 1.25 cm it is above 2.\n"
         "Implicit: likewise to 2.5 cm ({right/implicit/0.05} and {right/implicit/0.025} to the right). At 1.25 cm {*/implicit/0.0125} too little, which a stricter solve hardly changes ({centred/implicit/0.0125+strict} instead of {centred/implicit/0.0125}, {right/implicit/0.0125+strict} instead of {right/implicit/0.0125}); the density error of the fluid is a tenth of it. What it is was not found.",
         trials=(
-            Trial("strict", "accuracy: accurate", ("centred/implicit/0.0125", "right/implicit/0.0125"), STRICT),
+            strict("centred/implicit/0.0125", "right/implicit/0.0125"),
         ),
     ),
     "B11": Finding(order_why="what is left is what single precision rounds off in 10,000 steps."),

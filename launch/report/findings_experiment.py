@@ -1,6 +1,7 @@
 """What was found out about experiments: why runs miss them."""
 
 from case import Finding, Trial
+from trials import cubic, damped, no_shifting, shifting, short_steps, strict
 
 # X3 in a plane over the whole width: where its wave goes at spacings that 3-D cannot afford.
 PLANE = {
@@ -49,8 +50,8 @@ FINDINGS = {
         trials=(
             Trial("eddies", "viscosity 0.1 Pa s", ("wcsph/0.01", "implicit/0.01"), {"fluids.water.viscosity": "0.1"}),
             Trial("sticky", "viscosity 0.001 Pa s, that of water", ("wcsph/0.01", "implicit/0.01"), {"fluids.water.viscosity": "0.001"}),
-            Trial("damped", "five times the artificial viscosity", ("wcsph/0.01",), {"numerics.artificial_viscosity": "0.1"}),
-            Trial("short-steps", "half the length of the steps", ("wcsph/0.01",), {"numerics.courant": "0.75"}),
+            damped("wcsph/0.01"),
+            short_steps("wcsph/0.01"),
         ),
     ),
     "X3": Finding(
@@ -60,9 +61,9 @@ FINDINGS = {
         order_why="explicit, from 5 to 4 cm, {wcsph/0.05} to {wcsph/0.04}, and implicit, {implicit/0.05} to {implicit/0.04}: P1 is half a spacing over the bed, and the water's front thinner than one. In 2-D the arrival comes to {*/0.01+plane} and {*/0.005+plane} at 1 cm and 5 mm, the offset of the clock, above which 3-D runs at 2.8 cm scatter by a particle ({wcsph/0.028} and {implicit/0.028}).",
         trials=(
             Trial("plane", "2-D", ("wcsph/0.01", "wcsph/0.005", "implicit/0.01", "implicit/0.005"), PLANE),
-            Trial("strict", "accuracy: accurate", ("implicit/0.028",), {"world.accuracy": "accurate"}),
-            Trial("shifting", "particle shifting everywhere", ("implicit/0.028",), {"numerics.shifting": "always"}),
-            Trial("damped", "five times the artificial viscosity", ("implicit/0.028",), {"numerics.artificial_viscosity": "0.1"}),
+            strict("implicit/0.028"),
+            shifting("implicit/0.028"),
+            damped("implicit/0.028"),
         ),
     ),
     "X3f": Finding(order_why="its figure is a way, not an error: there is no reference."),
@@ -71,7 +72,7 @@ FINDINGS = {
         order_why="implicit, density 1000: the last third of the curve lies below two diameters, above a floor that is 2.7 deep: the gap, 6 mm at the end, is not resolved, and the water in it holds the cylinder up. Until 2 D deep it is {rho1000/implicit/0.011|2}, {rho1000/implicit/0.0055|2} and {rho1000/implicit/0.00275|2} (explicit {rho1000/wcsph/0.011|2}, {rho1000/wcsph/0.0055|2} and {rho1000/wcsph/0.00275|2}), orders of 1.6 and 0.8 (1.3 and 1.4); what makes the last implicit one low was not found: a tank twice as wide and a stricter solve leave {rho1000/implicit/0.00275+*|2} at 2.75 mm.\n"
         "Explicit, density 500, from 11 to 5.5 mm: 0.9, then 1.8.",
         trials=(
-            Trial("strict", "accuracy: accurate", ("rho1000/implicit/0.00275",), {"world.accuracy": "accurate"}),
+            strict("rho1000/implicit/0.00275"),
             Trial(
                 "wider",
                 "a tank of 2 m",
@@ -90,18 +91,18 @@ FINDINGS = {
         order_why="implicit: the kernel covers the sphere at both spacings. Explicit: {*/wcsph/0.005} at 5 mm, {*/wcsph/0.00375} at 3.75 mm, and with sound at 2 instead of 4 m/s {E1/wcsph/0.00375+slow-sound}, {E2/wcsph/0.00375+slow-sound} and {E3/wcsph/0.00375+slow-sound} instead of {E1/wcsph/0.00375}, {E2/wcsph/0.00375} and {E3/wcsph/0.00375} (E1 to E3): of the stiffness that noise meets, not of the spacing.",
         trials=(
             Trial("slow-sound", "sound at 2 m/s", ("E1/wcsph/0.00375", "E2/wcsph/0.00375", "E3/wcsph/0.00375"), {"numerics.sound_speed": "2"}),
-            Trial("cubic", "the cubic spline, 2 spacings wide", tuple(f"E{k}/implicit/0.005" for k in (1, 2, 3, 4)), {"numerics.kernel": "cubic"}),
+            cubic(*tuple(f"E{k}/implicit/0.005" for k in (1, 2, 3, 4))),
             Trial("gap", "a gap of one spacing under the lid", ("E1/implicit/0.005", "E4/implicit/0.005"), {"fluids.oil.fill.box.max": "[0.1, 0.1, 0.155]"}),
-            Trial("strict", "accuracy: accurate", ("E1/implicit/0.005",), {"world.accuracy": "accurate"}),
-            Trial("no-shifting", "no particle shifting", ("E1/implicit/0.005",), {"numerics.shifting": "never"}),
+            strict("E1/implicit/0.005"),
+            no_shifting("E1/implicit/0.005"),
         ),
     ),
     "X6g": Finding(
         why="the sphere's excess weight, 24 Pa, is the small difference of its weight and of buoyancy six times as large: to be slower by a third it takes an error of some parts in a hundred of the buoyancy, at 2.5 spacings per diameter. And the pressure of the weight, 1500 Pa at the floor, is noisier by itself.\n"
         "Particle shifting, which is off where gravity acts, is a part of it, explicit: switched on, the largest speed is {full/wcsph/0.006+shifting} off instead of {full/wcsph/0.006}, the mean from 0.3 s on {full/wcsph/0.006+shifting|2} instead of {full/wcsph/0.006|2}. Implicit, the largest speed happens to agree then ({full/implicit/0.006+shifting}), the mean from 0.3 s on does not: {full/implicit/0.006+shifting|2} instead of {full/implicit/0.006|2}. At this spacing the speed hangs on the kernel: with the cubic spline, 2 spacings wide, that mean is {full/wcsph/0.006+cubic|2} (explicit) and {full/implicit/0.006+cubic|2} (implicit) off. Artificial viscosity as water has it leaves {full/wcsph/0.006+damped|2} and {full/implicit/0.006+damped|2}, and slows the sphere itself.",
         trials=(
-            Trial("shifting", "particle shifting everywhere", ("full/wcsph/0.006", "full/implicit/0.006"), {"numerics.shifting": "always"}),
-            Trial("cubic", "the cubic spline, 2 spacings wide", ("full/wcsph/0.006", "full/implicit/0.006"), {"numerics.kernel": "cubic"}),
+            shifting("full/wcsph/0.006", "full/implicit/0.006"),
+            cubic("full/wcsph/0.006", "full/implicit/0.006"),
             Trial("damped", "artificial viscosity 0.02", ("full/wcsph/0.006", "full/implicit/0.006"), {"numerics.artificial_viscosity": "0.02"}),
         ),
     ),

@@ -1,11 +1,8 @@
 """What was found out about fluid alone: why runs miss, and why orders are low."""
 
 from case import Finding, Trial
+from trials import damped, less_diffusion, no_shifting, shifting, smooth, strict, wide
 
-STRICT = {"world.accuracy": "accurate"}
-SMOOTH = {"numerics.artificial_viscosity": "0"}
-DAMPED = {"numerics.artificial_viscosity": "0.1"}
-SHIFTING = {"numerics.shifting": "always"}
 
 FINDINGS = {
     "F1": Finding(
@@ -13,8 +10,8 @@ FINDINGS = {
         "shorter steps with a stricter solve to {implicit/0.0125+strict}.",
         order_why="implicit: as above. Explicit: {wcsph/0.025} and {wcsph/0.0125} from 2.5 cm on; what is left was not looked into.",
         trials=(
-            Trial("strict", "accuracy: accurate (shorter steps, a stricter solve)", ("implicit/0.0125",), STRICT),
-            Trial("damped", "five times the artificial viscosity", ("implicit/0.025", "implicit/0.0125"), DAMPED),
+            strict("implicit/0.0125"),
+            damped("implicit/0.025", "implicit/0.0125"),
         ),
     ),
     "X2": Finding(
@@ -32,8 +29,8 @@ FINDINGS = {
                 {"fluids.water.viscosity": "0.012"},
             ),
             Trial("fast-sound", "sound at 100 m/s", ("wcsph/0.01",), {"numerics.sound_speed": "100"}),
-            Trial("smooth", "no artificial viscosity", ("wcsph/0.01",), SMOOTH),
-            Trial("less-diffusion", "a fifth of the density diffusion", ("wcsph/0.01",), {"numerics.diffusion": "0.02"}),
+            smooth("wcsph/0.01"),
+            less_diffusion("wcsph/0.01"),
             Trial("finer", "spacing of 2.5 mm", ("wcsph/0.0025",)),
         ),
     ),
@@ -43,8 +40,8 @@ FINDINGS = {
         trials=(
             Trial("fast-sound", "sound twice as fast: twice the steps", ("wcsph/0.015625", "wcsph/0.0078125"), {"numerics.sound_speed": "20"}),
             Trial("short-steps", "a Courant number of 0.1", ("wcsph/0.015625",), {"numerics.courant": "0.1"}),
-            Trial("no-shifting", "no particle shifting", ("wcsph/0.015625",), {"numerics.shifting": "never"}),
-            Trial("less-diffusion", "a fifth of the density diffusion", ("wcsph/0.015625",), {"numerics.diffusion": "0.02"}),
+            no_shifting("wcsph/0.015625"),
+            less_diffusion("wcsph/0.015625"),
         ),
     ),
     "F3": Finding(
@@ -58,15 +55,15 @@ FINDINGS = {
         trials=(
             Trial("less-diffusion", "a third of the density diffusion", ("wcsph/0.02",), {"numerics.diffusion": "0.03"}),
             Trial("slow-sound", "sound at 20 instead of 31 m/s", ("wcsph/0.02",), {"numerics.sound_speed": "20"}),
-            Trial("shifting", "particle shifting everywhere", ("wcsph/0.02", "implicit/0.02"), SHIFTING),
-            Trial("smooth", "no artificial viscosity", ("wcsph/0.02", "implicit/0.02"), SMOOTH),
-            Trial("wide", "a kernel of 4 spacings", ("implicit/0.02",), {"numerics.support": "4"}),
+            shifting("wcsph/0.02", "implicit/0.02"),
+            smooth("wcsph/0.02", "implicit/0.02"),
+            wide("implicit/0.02"),
         ),
     ),
     "F5": Finding(
         order_why="what is left goes with the energy that is lost: {wcsph/0.05|1} and {wcsph/0.025|1} a period at 5 and 2.5 cm, without artificial viscosity {wcsph/0.05+smooth|1} and {wcsph/0.025+smooth|1}, and the height is off by {wcsph/0.05+smooth} and {wcsph/0.025+smooth}. "
         "Why the rest grows was not found.",
-        trials=(Trial("smooth", "no artificial viscosity", ("wcsph/0.05", "wcsph/0.025"), SMOOTH),),
+        trials=(smooth("wcsph/0.05", "wcsph/0.025"),),
     ),
     "F5f": Finding(
         order_why="{*/0.05} at 5 cm and {*/0.025} at 2.5 cm, a sixth of a spacing at most. Explicit, sound twice and four times as fast takes {wcsph/0.025} to {wcsph/0.025+fast-sound} and {wcsph/0.025+faster-sound}, no artificial viscosity to {wcsph/0.025+smooth}. "
@@ -74,15 +71,15 @@ FINDINGS = {
         trials=(
             Trial("fast-sound", "sound at 3000 m/s", ("wcsph/0.025",), {"numerics.sound_speed": "3000"}),
             Trial("faster-sound", "sound at 6000 m/s", ("wcsph/0.025",), {"numerics.sound_speed": "6000"}),
-            Trial("smooth", "no artificial viscosity", ("wcsph/0.025", "implicit/0.025"), SMOOTH),
-            Trial("strict", "accuracy: accurate", ("implicit/0.025",), STRICT),
+            smooth("wcsph/0.025", "implicit/0.025"),
+            strict("implicit/0.025"),
         ),
     ),
     "F6": Finding(
         why="implicit: without particle shifting, which this solver leaves out where there is a surface, suction parts the particles after 15 to 20 steps and the pressure falls to zero. With shifting everywhere the pressure is {implicit/0.04+shifting} and {implicit/0.02+shifting} off at 4 and 2 cm, the largest void {implicit/0.04+shifting|2} and "
         "{implicit/0.02+shifting|2} particles.",
         order_why="implicit: as above. Explicit the order is above 1.",
-        trials=(Trial("shifting", "particle shifting everywhere", ("implicit/0.04", "implicit/0.02"), SHIFTING),),
+        trials=(shifting("implicit/0.04", "implicit/0.02"),),
     ),
     "F7": Finding(
         why="water in a channel of a few particles keeps some of a lattice's strength: with a viscosity of 5 Pa s, which lets nothing swing, levels 0.2 m apart stop {wcsph/0.01+thick|3} apart at 1 cm and {wcsph/0.02+thick|3} at 2 cm (dx is the spacing).",
@@ -94,9 +91,9 @@ FINDINGS = {
         "A stricter solve leaves {implicit/0.01+strict|1}, particle shifting {implicit/0.01+shifting|1}, five times the artificial viscosity {implicit/0.01+damped|1}. What packs them was not found.",
         order_why="explicit: the speed of the jet is right within {wcsph/0.01} and {wcsph/0.006} at 1 cm and 6 mm, less than its means over a quarter of the time differ by.",
         trials=(
-            Trial("strict", "accuracy: accurate", ("implicit/0.01",), STRICT),
-            Trial("shifting", "particle shifting everywhere", ("implicit/0.01",), SHIFTING),
-            Trial("damped", "five times the artificial viscosity", ("implicit/0.01",), DAMPED),
+            strict("implicit/0.01"),
+            shifting("implicit/0.01"),
+            damped("implicit/0.01"),
         ),
     ),
 }

@@ -1,9 +1,8 @@
 """What was found out about bodies that only a viscous fluid drives."""
 
 from case import Finding, Trial
-from findings_bodies import LESS_DIFFUSION, NO_SHIFTING, STRICT, WIDE
+from trials import cubic, less_diffusion, no_shifting, short_steps, strict, wide
 
-HALF_STEPS = {"numerics.courant": "0.75"}
 
 FINDINGS = {
     "B3": Finding(
@@ -15,9 +14,9 @@ FINDINGS = {
         trials=(
             Trial("small", "a swing of 1 instead of 4 mm", ("r1/wcsph/0.005", "r1/implicit/0.005"), {"models.body.pose": "[0.001, 0, 0]", "joints.spring.rest": "-0.001"}),
             Trial("less-diffusion", "a tenth of the density diffusion", ("r1/wcsph/0.005",), {"numerics.diffusion": "0.01"}),
-            Trial("wide", "a kernel of 4 spacings", ("r1/wcsph/0.005",), WIDE),
-            Trial("strict", "accuracy: accurate", ("r1/implicit/0.005",), STRICT),
-            Trial("no-shifting", "no particle shifting", ("r1/wcsph/0.005", "r1/implicit/0.005"), NO_SHIFTING),
+            wide("r1/wcsph/0.005"),
+            strict("r1/implicit/0.005"),
+            no_shifting("r1/wcsph/0.005", "r1/implicit/0.005"),
         ),
     ),
     "B3n": Finding(
@@ -29,29 +28,29 @@ FINDINGS = {
         "Implicit, as dense as the fluid, {r1/implicit/0.01} to {r1/implicit/0.005}: the disorder of the particles, which slows the cylinder too fast: {r1/implicit/0.005+no-shifting} without shifting, {r1/implicit/0.005+strict} with a stricter solve.\n"
         "Angular momentum has no order: what is lost is of viscosity and shifting, as above.",
         trials=(
-            Trial("no-shifting", "no particle shifting", ("r1/wcsph/0.01", "r1/implicit/0.01", "r8/implicit/0.01", "r1/implicit/0.005"), NO_SHIFTING),
+            no_shifting("r1/wcsph/0.01", "r1/implicit/0.01", "r8/implicit/0.01", "r1/implicit/0.005"),
             Trial(
                 "ideal",
                 "no viscosity and no particle shifting; the fluid turns with the cylinder (its speed is not that of the reference)",
                 ("r1/wcsph/0.01", "r1/implicit/0.01"),
-                {**NO_SHIFTING, "fluids.oil.viscosity": "0", "fluids.oil.angular_velocity": "[0, 1, 0]"},
+                {"numerics.shifting": "never", "fluids.oil.viscosity": "0", "fluids.oil.angular_velocity": "[0, 1, 0]"},
             ),
-            Trial("strict", "accuracy: accurate", ("r8/implicit/0.01", "r1/implicit/0.005"), STRICT),
+            strict("r8/implicit/0.01", "r1/implicit/0.005"),
         ),
     ),
     "B6": Finding(
         order_why="from 2 to 1 cm, where the plate is one and two spacings thick. Shorter steps change nothing ({r10/wcsph/0.01+short-steps} instead of {r10/wcsph/0.01} for the heaviest, explicit; {r10/implicit/0.01+strict} instead of {r10/implicit/0.01}, implicit). From 1 cm to 5 mm the order is 2 to 4.",
         trials=(
-            Trial("short-steps", "half the length of the steps", ("r10/wcsph/0.01",), HALF_STEPS),
-            Trial("strict", "accuracy: accurate", ("r10/implicit/0.01",), STRICT),
+            short_steps("r10/wcsph/0.01"),
+            strict("r10/implicit/0.01"),
         ),
     ),
     "B8": Finding(
         why="explicit, it sinks too fast: density diffusion evens out the pressure before and behind the sphere, which bears a third of the drag. With a fifth of it {wcsph/0.0168+less-diffusion} instead of {wcsph/0.0168} at 16.8 mm, {wcsph/0.0112+less-diffusion} instead of {wcsph/0.0112} at 11.2 mm.",
         order_why="these spacings are too coarse for an order: the kernel's radius, 2.9 spacings, is about the sphere's (2.2 to 4.5). With the cubic spline, 2 spacings wide, {wcsph/0.0168+cubic} instead of {wcsph/0.0168} (explicit) and {implicit/0.0168+cubic} instead of {implicit/0.0168} (implicit) at 16.8 mm.",
         trials=(
-            Trial("less-diffusion", "a fifth of the density diffusion", ("wcsph/0.0168", "wcsph/0.0112"), LESS_DIFFUSION),
-            Trial("cubic", "the cubic spline, 2 spacings wide", ("wcsph/0.0168", "implicit/0.0168"), {"numerics.kernel": "cubic"}),
+            less_diffusion("wcsph/0.0168", "wcsph/0.0112"),
+            cubic("wcsph/0.0168", "implicit/0.0168"),
         ),
     ),
 }

@@ -1,8 +1,7 @@
 """What was found out about pistons, heaving cylinders, wedges and gates."""
 
 from case import Finding, Trial
-from findings_bodies import DAMPED, LESS_DIFFUSION, NO_SHIFTING, SMOOTH, STRICT, WIDE
-from findings_viscous import HALF_STEPS
+from trials import damped, less_diffusion, no_shifting, shifting, short_steps, smooth, strict, wide
 
 # B12's tank twice as wide and twice as deep, its surface where it was.
 LARGER = {
@@ -27,9 +26,9 @@ FINDINGS = {
         order_why="at a mass of 100, whose two periods last 12.5 s, from 1 cm to 5 mm: after one (5 mm) or two (1 cm) periods the swing, 2 mm, has broken up the lattice, and the particles settle by a ten-thousandth of the column, a tenth of the swing. From trough to trough, which a middle that sinks does not shift, it is {m100/wcsph/0.01|2} and {m100/wcsph/0.005|2} (explicit), {m100/staggered/0.01|2} and {m100/staggered/0.005|2} (staggered), an order of 1.3 and above. When it happens is chance: at 1 cm {m100/wcsph/0.01+no-shifting} without particle shifting, {m100/wcsph/0.01+less-diffusion} with a fifth of the density diffusion, {m100/wcsph/0.01+short-steps} with shorter steps, {m100/wcsph/0.01+damped} with four times the artificial viscosity, instead of {m100/wcsph/0.01}; at 5 mm {m100/wcsph/0.005+no-shifting} without shifting.\n"
         "From 2 to 1 cm, {m100/wcsph/0.02|2} to {m100/wcsph/0.01|2} from trough to trough, the second of which is the swing in which it breaks up. At the other masses the order is above 1.",
         trials=(
-            Trial("no-shifting", "no particle shifting", ("m100/wcsph/0.01", "m100/wcsph/0.005"), NO_SHIFTING),
-            Trial("less-diffusion", "a fifth of the density diffusion", ("m100/wcsph/0.01",), LESS_DIFFUSION),
-            Trial("short-steps", "half the length of the steps", ("m100/wcsph/0.01",), HALF_STEPS),
+            no_shifting("m100/wcsph/0.01", "m100/wcsph/0.005"),
+            less_diffusion("m100/wcsph/0.01"),
+            short_steps("m100/wcsph/0.01"),
             Trial("damped", "four times the artificial viscosity", ("m100/wcsph/0.01",), {"numerics.artificial_viscosity": "0.02"}),
         ),
     ),
@@ -48,8 +47,8 @@ FINDINGS = {
         trials=(
             Trial("aside", "cylinder 0.3 spacings aside", ("wcsph/0.0076",), {"models.body.pose": "[1.00228, 0, 0.505]"}),
             Trial("wider", "a tank of 4 m", ("wcsph/0.0127",), wider_tank(0.005), values={"tank": 4}),
-            Trial("smooth", "no artificial viscosity", ("wcsph/0.0076", "implicit/0.0076"), SMOOTH),
-            Trial("strict", "accuracy: accurate", ("implicit/0.0076",), STRICT),
+            smooth("wcsph/0.0076", "implicit/0.0076"),
+            strict("implicit/0.0076"),
         ),
     ),
     "B12": Finding(
@@ -63,18 +62,18 @@ FINDINGS = {
             Trial("fast-sound", "sound at 200 m/s", tuple(f"{a}/wcsph/0.01" for a in ANGLES), {"numerics.sound_speed": "200"}),
             Trial("faster-sound", "sound at 400 m/s", ("25deg/wcsph/0.01",), {"numerics.sound_speed": "400"}),
             Trial("faster-larger", "sound at 400 m/s in a tank of 4 x 2 m", ("25deg/wcsph/0.01",), {"numerics.sound_speed": "400", **LARGER}),
-            Trial("strict", "accuracy: accurate", ("25deg/implicit/0.01",), STRICT),
-            Trial("damped", "five times the artificial viscosity", ("25deg/implicit/0.01",), DAMPED),
-            Trial("shifting", "particle shifting everywhere", ("25deg/implicit/0.01",), {"numerics.shifting": "always"}),
+            strict("25deg/implicit/0.01"),
+            damped("25deg/implicit/0.01"),
+            shifting("25deg/implicit/0.01"),
         ),
     ),
     "B13": Finding(
         order_why="water between the round foot and the bed. Its force on the foot, {wcsph/0.05|2}, {wcsph/0.025|2}, {wcsph/0.0125|2} and {wcsph/0.00625+finer|2} of that on the gate at 5, 2.5, 1.25 cm and 6.25 mm, should go through the hinge; it comes and goes with the spacing, and a few millimetres by which it passes the hinge are the few parts in a thousand that are left: {wcsph/*} and, of the other sign, {wcsph/0.00625+finer} (explicit), {implicit/*} and, of the other sign, {implicit/0.00625+finer} (implicit). A kernel of 4 spacings, no artificial viscosity and a fifth of the density diffusion leave it ({wcsph/0.025+wide}, {wcsph/0.025+smooth}, {wcsph/0.025+less-diffusion} instead of {wcsph/0.025} at 2.5 cm).",
         trials=(
             Trial("finer", "spacing of 6.25 mm", ("wcsph/0.00625", "implicit/0.00625")),
-            Trial("wide", "a kernel of 4 spacings", ("wcsph/0.025",), WIDE),
-            Trial("smooth", "no artificial viscosity", ("wcsph/0.025",), SMOOTH),
-            Trial("less-diffusion", "a fifth of the density diffusion", ("wcsph/0.025",), LESS_DIFFUSION),
+            wide("wcsph/0.025"),
+            smooth("wcsph/0.025"),
+            less_diffusion("wcsph/0.025"),
         ),
     ),
     "B13r": Finding(

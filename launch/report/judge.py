@@ -132,7 +132,7 @@ def number_of(case: str) -> str:
 
 def met_by_level(cases: list[Case], rows: list[dict]) -> list[dict]:
     """Per level: how many validation cases (F, B, X) meet all their targets with at least one solver, and how
-    many pairs of case and solver do. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
+    many with each alone. Cases that share a number (B4, B4s, B4w) are parts of one; it is met if all are.
     A case without a run at a level counts there as at the level below. The staggered scheme does not count: it
     is there to show where it fails. A case with a figure whose reference is not installed is not judged at all."""
     lines = []

@@ -15,37 +15,15 @@ from left_out import LEFT_OUT
 from metrics import pareto_front, time_to_reach
 from references import ReferenceMissing
 from runs import Place, write_whole
+from shown import figure, measured, seconds, speed
 from stability import ELSEWHERE
 
 WORD = {"met": "met", "missed": "missed", "no target": "–", "reference not installed": "reference not installed"}
 
 
-def figure(value: float | None, unit: str = "") -> str:
-    """Three digits with the unit of a measure; a share as percent."""
-    if value is None or not math.isfinite(value):
-        return "none"
-    shown = 100 * value if unit == "%" else value
-    text = "0" if shown == 0 else f"{shown:.3g}"
-    return f"{text} {unit}".strip()
-
-
-def measured(value: float | None, unit: str) -> str:
-    return "no figure" if value is None else figure(value, unit)
-
-
-def seconds(value: float | None) -> str:
-    if value is None:
-        return "–"
-    return f"{value:.2g} s" if value < 10 else f"{value:.0f} s" if value < 120 else f"{value / 60:.1f} min"
-
-
 def is_low(order: float | None) -> bool:
     """Below the first order, as shown: a reason is due."""
     return order is not None and order < 0.95
-
-
-def speed(value: float | None) -> str:
-    return f"{value / 1e6:.2g} M" if value else ""
 
 
 @dataclass(frozen=True)
@@ -179,8 +157,8 @@ def case_section(place: Place, case: Case, rows: list[dict], trials: list[dict],
     groups = list(dict.fromkeys(r["group"] for r in rows))
     return {
         "case": case,
-        "why": reasons.sentences(case, case.finding.why, rows + trials, figure),
-        "order_why": reasons.sentences(case, case.finding.order_why, rows + trials, figure),
+        "why": reasons.sentences(case, case.finding.why, rows + trials),
+        "order_why": reasons.sentences(case, case.finding.order_why, rows + trials),
         "tried": reasons.tried(case, rows, trials),
         "references": next((r["report"][at:] for r in rows if (at := r["report"].find(" --references ")) >= 0), ""),
         "rows": sorted(rows, key=lambda r: (groups.index(r["group"]), -r["h"])),

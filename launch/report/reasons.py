@@ -7,6 +7,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from case import Case
+from shown import figure
 
 FIELD = re.compile(r"\{([^{}|]+)(?:\|(\d+))?\}")  # {run} or {run|measure}: r0.1/wcsph/0.01, wcsph/*, wcsph/0.01+viscous|1
 NO_RUN = "…"
@@ -22,13 +23,13 @@ def matching(case: str, run: str, rows: list[dict]) -> list[dict]:
     return [r for r in rows if fnmatch.fnmatchcase(r["id"], f"{case}/{run}") and ("+" in run) == bool(r["trial"])]
 
 
-def between(values: list[float], unit: str, figure) -> str:
+def between(values: list[float], unit: str) -> str:
     """One figure, or the least and the largest: 3.5 to 5.5 %."""
     least, most = figure(min(values), unit), figure(max(values), unit)
     return least if least == most else f"{least.removesuffix(unit).strip()} to {most}"
 
 
-def sentences(case: Case, text: str, rows: list[dict], figure) -> list[Markup]:
+def sentences(case: Case, text: str, rows: list[dict]) -> list[Markup]:
     """A text, a sentence or a few per line, with its figures, each a link to its run."""
 
     def quoted(found: re.Match) -> str:
@@ -39,7 +40,7 @@ def sentences(case: Case, text: str, rows: list[dict], figure) -> list[Markup]:
         values = [v for v in values if v is not None and np.isfinite(v)]
         if not values:
             return NO_RUN if not mine else "none"
-        return f'<a href="#{escape(mine[0]["id"])}">{escape(between(values, measure.unit, figure))}</a>'
+        return f'<a href="#{escape(mine[0]["id"])}">{escape(between(values, measure.unit))}</a>'
 
     lines = [FIELD.sub(quoted, str(escape(line))) for line in text.splitlines() if line]
     if any(NO_RUN in line for line in lines):

@@ -4,7 +4,6 @@ import re
 import unittest
 
 import cases
-import page
 import reasons
 from case import LEVELS, Case, Finding, Measure, Trial, Variant, jobs_of, with_those_beside
 
@@ -32,7 +31,7 @@ TRIALS = [row("light/wcsph/0.5+less", 0.125)]
 
 
 def said(text: str) -> list[str]:
-    lines = reasons.sentences(CASE, text, ROWS + TRIALS, page.figure)
+    lines = reasons.sentences(CASE, text, ROWS + TRIALS)
     return [re.sub(r"<[^>]+>", "", line) for line in lines]
 
 
@@ -46,7 +45,7 @@ class Sentences(unittest.TestCase):
         self.assertEqual(said("{heavy/wcsph/0.25+less}; {heavy/wcsph/0.5}"), [f"{reasons.NO_RUN}; none", reasons.LATER.format("A")])
 
     def test_a_figure_leads_to_its_run_and_text_is_no_markup(self):
-        [line] = reasons.sentences(CASE, "a < b: {light/wcsph/1}", ROWS, page.figure)
+        [line] = reasons.sentences(CASE, "a < b: {light/wcsph/1}", ROWS)
         self.assertEqual(line, 'a &lt; b: <a href="#A/light/wcsph/1">30 %</a>')
 
     def test_trials_stand_behind_the_run_that_they_change(self):

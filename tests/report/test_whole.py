@@ -160,6 +160,18 @@ class Report(unittest.TestCase):
         self.report(CHEAP[0], "--out", "a", "--again")
         self.assertNotEqual(self.rows("a")[CHEAP[0]]["walls"], first)
 
+    def test_the_trial_of_shorter_steps_makes_twice_as_many(self):
+        import trials
+
+        steps = []
+        for overrides in ({}, trials.short_steps().overrides):
+            words = ["run", "scenes/hydrostatic.yaml", "--spacing", "0.1", "--duration", "0.5", "--no-expect", "--quiet", "--out", str(self.out)]
+            words += [word for path, value in overrides.items() for word in ("--set", f"{path}={value}")]
+            program = Path(os.environ["BALLAST_BUILD"]) / "bin/ballast_coordinator"
+            subprocess.run([program, *words], cwd=TREE, check=True, capture_output=True)
+            steps.append(json.loads((self.out / "record.json").read_text())["steps"])
+        self.assertAlmostEqual(steps[1] / steps[0], 2, delta=0.1)
+
     def test_a_printed_command_makes_the_same_run(self):
         self.report(CHEAP[0], "--out", "a")
         row = self.rows("a")[CHEAP[0]]
