@@ -142,7 +142,7 @@ class Words(unittest.TestCase):
         text = written([of], [missed], [tried])
         self.assertIn('<a href="#A/heavy/wcsph/1+less">0.25</a>, not <a href="#A/heavy/wcsph/1">2</a>.', text)
         self.assertIn('id="A/heavy/wcsph/1+less"', text)
-        self.assertIn("<td>less of it", text)
+        self.assertIn(">less of it<", text)
         self.assertIn("<code>report of it</code>", text)
         self.assertIn("0 figures meet their target", text)
 
