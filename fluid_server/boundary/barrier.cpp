@@ -11,9 +11,6 @@ namespace ballast::fluid {
 
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
 // Of a spacing: particles farther than this from every sample are at least 0.1 spacings above every surface.
 constexpr double kNear = 0.95;
 // In short steps a particle is not stopped in one but over this way, in spacings, or as many steps: a blow of one step

@@ -6,9 +6,6 @@
 
 namespace ballast::fluid {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
 Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, double spacing,
                    int threads)
     : samples_(samples),

@@ -11,6 +11,10 @@
 
 namespace ballast::fluid {
 
+/// Forces and torques, accelerations and angular accelerations of a body, one behind the other.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 struct Samples {
   // per sample
   std::vector<std::uint32_t> body;      ///< index in scene.models

@@ -71,7 +71,6 @@ class Seepage {
     bool has_films = false;
     std::vector<Covered> covered;  // by place
   };
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   struct Film {  // between a free body and one side of another solid
     std::uint32_t body = 0, other = 0;
     double force = 0, area = 0, gap = 0;               // sums; the gap weighted by area

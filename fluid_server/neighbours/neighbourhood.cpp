@@ -234,7 +234,7 @@ void Neighbourhood::total_rows() {
 }
 
 void Neighbourhood::activate_rows() {
-  const auto [nx, ny, nz] = cells_.count;
+  const std::uint32_t nx = cells_.count[0], ny = cells_.count[1], nz = cells_.count[2];
   const int blocks_x = static_cast<int>(cells_.blocks_x());
   // A last block of fewer than kFine cells is shorter than the support: on a periodic axis look one block further.
   const int reach = cells_.periodic[0] ? 2 : 1;

@@ -44,7 +44,7 @@ void KeptPairs::make_room_for_slopes(const Neighbourhood& items, std::uint32_t l
 void KeptPairs::make_room_for_values(const Neighbourhood& items, std::uint32_t lanes, int threads) {
   const auto vectors = [&](std::uint32_t i) {
     const std::uint32_t source = items.source[i];
-    const bool with_samples = source & Neighbourhood::kSample || sum[source].touches_samples;
+    const bool with_samples = source & Neighbourhood::kSample || sum[source].touches_samples != 0;
     return with_samples ? (items.lists.count[i] + lanes - 1) / lanes : 0;
   };
   replace_if_smaller(value, std::size_t{sum_before(items.size(), threads, vectors, values_before)} * lanes);

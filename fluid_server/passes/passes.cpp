@@ -116,7 +116,7 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
     return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
   };
   for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
-    if (kept.sum[f].touches_samples) rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
+    if (kept.sum[f].touches_samples != 0) rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
   });
   for_each_index(items.sample_item.size(), constants.threads, [&](std::uint32_t s) {
     const std::uint32_t item = items.sample_item[s];

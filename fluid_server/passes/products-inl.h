@@ -62,7 +62,7 @@ class Products {
   /// |dF_i / dp_i|^2 / V^2: square of the sum of gradients, those of samples with the share of p_i that they take on.
   HWY_INLINE float own_square(std::uint32_t item, const KeptPairs::Sum& sum, float volume) const {
     float x = sum.x, y = sum.y, z = sum.z;
-    if (sum.touches_samples) {
+    if (sum.touches_samples != 0) {
       const F d;
       const float* value = values(item);
       VF cx = hn::Zero(d), cy = hn::Zero(d), cz = hn::Zero(d);
@@ -87,7 +87,7 @@ class Products {
     const Flow& own = flow[item];
     float all = own.x * sum.x + own.z * sum.z - flux(item, flow);
     if constexpr (Dim == 3) all += own.y * sum.y;
-    if (sum.touches_samples) all += sample_pressure(item, 1.f);
+    if (sum.touches_samples != 0) all += sample_pressure(item, 1.f);
     return -own.volume * all;
   }
 

@@ -42,8 +42,9 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
   find_wet(items, samples, sums);
   part_.resize(states.size());
   row_of_.resize(static_cast<std::size_t>(threads_));
+  const std::uint32_t bodies = static_cast<std::uint32_t>(states.size());
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (std::uint32_t b = 0; b < states.size(); ++b) {
+  for (std::uint32_t b = 0; b < bodies; ++b) {
     std::vector<std::uint32_t>& row_of = row_of_[static_cast<std::size_t>(omp_get_thread_num())];
     row_of.resize(items.fluid_item.size(), kNone);
     part_[b].clear();

@@ -11,9 +11,6 @@
 
 namespace ballast::fluid {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
 class BodyRows {
  public:
   /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples, `inverse_w` by which a

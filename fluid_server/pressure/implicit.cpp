@@ -255,6 +255,7 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
 }
 
 void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {
+  options_.sign_of_life();
   const std::size_t n = x.size();
   apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, out);
   const float dt2 = static_cast<float>(dt_ * dt_);

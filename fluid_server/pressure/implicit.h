@@ -6,6 +6,7 @@
 // it.
 #pragma once
 #include <deque>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct ImplicitOptions {
   std::size_t body_products = 5;
   double weight = 0;         ///< |G| of the world, m/s^2, which bodies feel where the fluid does not (reduced gravity)
   int most_products = 2000;  ///< beyond which a step is counted as unreached
+  std::function<void()> sign_of_life = [] {};  ///< called in every product: of many particles a solve takes minutes
 };
 
 /// Sums over the run, for the record.

@@ -61,10 +61,9 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
       }
       return std::array<double, 2>{c, f};
     });
-    if (clamped > std::max(slack, 0.0))
-      proportion();
-    else if (!step())
-      break;  // nothing left to gain in this precision
+    release_ = clamped > std::max(slack, 0.0);
+    report_.proportionings += release_;
+    if (!step()) break;  // nothing left to gain in this precision
   }
   return report_;
 }
@@ -79,11 +78,11 @@ void Mprgp::split() {
 void Mprgp::restart() {
   const std::vector<float>& x = *x_;
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) trial_[i] = free(i) ? gradient_[i] : 0.f;
+    for (std::size_t i = begin; i < end; ++i) trial_[i] = moves(i) ? gradient_[i] : 0.f;
   });
   program_->precondition(trial_, preconditioned_);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) preconditioned_[i] = free(i) ? preconditioned_[i] : 0.f;
+    for (std::size_t i = begin; i < end; ++i) preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
   });
 }
 
@@ -126,7 +125,7 @@ bool Mprgp::step() {
   if (program_->negligible(cut)) {
     ++report_.expansions;
     subtract(alpha);
-    fresh_ = stale_ = true;
+    stale_ = true;
   } else {
     expand(alpha, feasible);
   }
@@ -178,18 +177,6 @@ void Mprgp::expand(double alpha, double feasible) {
       if (free(i)) x[i] = clamp(i, x[i] - shortened * gradient_[i] / diagonal_[i]);
   });
   new_gradient();
-}
-
-void Mprgp::proportion() {
-  const std::vector<float>& x = *x_;
-  ++report_.proportionings;
-  fresh_ = true;
-  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) direction_[i] = free(i) ? 0.f : projected_[i] / diagonal_[i];
-  });
-  product(direction_, product_);
-  const double curvature = dot(direction_, product_, threads_);
-  if (curvature > 0) subtract(dot(gradient_, direction_, threads_) / curvature);
 }
 
 void Mprgp::new_gradient() {

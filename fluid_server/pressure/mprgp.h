@@ -1,7 +1,8 @@
 // Bound-constrained quadratic programs by MPRGP (modified proportioning with reduced gradient projections, Dostal and
 // Schoeberl 2005): minimise x.A x / 2 - b.x with x >= 0 for the entries that are bounded, A symmetric positive
-// semidefinite and known by its products. Conjugate gradients on the entries that are free (x > 0); proportioning when
-// the gradient of the clamped ones dominates; expansion when a step would leave the bounds.
+// semidefinite and known by its products. Conjugate gradients on the entries that are free (x > 0), joined by those of
+// the clamped that want to grow when their gradient dominates (proportioning); expansion when a step would leave the
+// bounds by more than is negligible.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -27,10 +28,10 @@ class QuadraticProgram {
 };
 
 struct MprgpReport {
-  int products = 0;    ///< of A with a vector: the cost
-  int expansions = 0;  ///< steps that met a bound
-  int refused = 0;     ///< projected steps that would have raised the energy: a short one was taken
-  int proportionings = 0;
+  int products = 0;        ///< of A with a vector: the cost
+  int expansions = 0;      ///< steps that met a bound
+  int refused = 0;         ///< projected steps that would have raised the energy: a short one was taken
+  int proportionings = 0;  ///< steps in which clamped entries took part
   bool converged = false;
 };
 
@@ -47,12 +48,12 @@ class Mprgp {
 
  private:
   bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
+  bool moves(std::size_t i) const { return free(i) || (release_ && gradient_[i] < 0); }
   float clamp(std::size_t i, float value) const { return bounded_[i] ? std::max(value, 0.f) : value; }
   void split();  ///< gradient_ -> projected_
   void restart();
   bool step();  ///< conjugate gradients, or expansion
   void expand(double alpha, double feasible);
-  void proportion();
   void subtract(double alpha);  ///< x -= alpha direction, gradient -= alpha A direction
   void new_gradient();          ///< from scratch: no rounding of many updates stays
   void product(std::span<const float> x, std::vector<float>& out);
@@ -63,8 +64,9 @@ class Mprgp {
   std::vector<float>* x_ = nullptr;
   double norm_ = 0;
   int threads_ = 1;
-  bool fresh_ = true;   // the direction is to start anew
-  bool stale_ = false;  // the gradient misses what negligible cuts changed
+  bool fresh_ = true;     // the direction is to start anew
+  bool release_ = false;  // clamped entries that want to grow take part in the step
+  bool stale_ = false;    // the gradient misses what negligible cuts changed
   MprgpReport report_;
   std::vector<float> gradient_, projected_, direction_, product_, preconditioned_, trial_, trial_gradient_;
 };

@@ -16,7 +16,6 @@ namespace ballast::fluid {
 
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Eigen::Index;
 
 /// From the mobility of a free body, whatever engine posted it: sqrt(mean 1/m over mean 1/I).

@@ -37,6 +37,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     idle_.samples += samples_->size() - items_->sample_item.size(), ++idle_.steps;
     prepare_extras();
   }
+  sign_of_life_();
   remember();
   const bool order_kept = items_->lists.valid;
   if (implicit_) {
@@ -53,6 +54,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     const AddingWatch watch(times_.motion);
     find_evening(*items_, constants_, extras_.evening);
   }
+  sign_of_life_();
   items_->searches.add(order_kept, times_.sort + times_.pressure - searching_since);
   if (constants_.ram_on_samples) {
     const AddingWatch watch(times_.boundary);
@@ -117,6 +119,7 @@ void WcsphFluid::prepare_extras() {
 }
 
 void WcsphFluid::move() {
+  sign_of_life_();
   {
     const AddingWatch watch(times_.motion);
     accelerate(*items_, extras_, constants_, acceleration_);

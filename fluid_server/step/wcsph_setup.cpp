@@ -180,6 +180,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.implicit_options_.body_tolerance = settings.body_tolerance;
     self.implicit_options_.body_products = settings.body_products;
     self.implicit_options_.weight = scene.world.gravity.norm();
+    self.implicit_options_.sign_of_life = self.sign_of_life_;
   }
   for (const Record& r : self.particles_.record)
     self.facts_.max_speed = std::max(self.facts_.max_speed, static_cast<double>(std::hypot(r.vx, r.vy, r.vz)));

@@ -7,10 +7,10 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "fluid_server/boundary/samples.h"
+
 namespace ballast::fluid {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Spheres of 1 m^3 in water, with the inertia of a sphere.
 struct Bodies {
