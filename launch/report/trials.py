@@ -40,3 +40,10 @@ def wide(*runs: str) -> Trial:
 
 def cubic(*runs: str) -> Trial:
     return Trial("cubic", "the cubic spline, 2 spacings wide", runs, {"numerics.kernel": "cubic"})
+
+
+def nearby(*runs: str, share: float = 0.02) -> Trial:
+    """At spacings a little smaller and larger, in which solids cut the lattice otherwise: how much of an error, and so of an
+    observed order, is chance."""
+    resolutions = [(way, float(h) * (1 + sign * share)) for run in runs for way, _, h in [run.rpartition("/")] for sign in (-1, 1)]
+    return Trial("nearby", f"a spacing {100 * share:g} % smaller or larger", tuple(f"{way}/{h:g}" for way, h in resolutions))
