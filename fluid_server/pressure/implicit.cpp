@@ -371,6 +371,7 @@ void ImplicitPressure::estimate_norm() {
   for (std::size_t f = 0; f < n; ++f) x[f] = (f * 2654435761u >> 16 & 1) ? 1.f : -1.f;
   fluid_norm_ = 2;
   for (int k = 0; k < 20; ++k) {
+    options_.sign_of_life();
     apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, y);
     double xx = 0, yy = 0;
     for (std::size_t f = 0; f < n; ++f) {

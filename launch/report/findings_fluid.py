@@ -90,7 +90,9 @@ FINDINGS = {
         order_why="from 2.5 to 2 cm the period goes from {wcsph/0.025} to {wcsph/0.02} (explicit) and from {implicit/0.025} to {implicit/0.02} (implicit). At spacings a fiftieth smaller and larger it is {wcsph/0.024*+nearby} and {wcsph/0.025*+nearby}, {wcsph/0.019*+nearby} and {wcsph/0.020*+nearby} explicit, {implicit/0.024*+nearby} and {implicit/0.025*+nearby}, {implicit/0.019*+nearby} and {implicit/0.020*+nearby} implicit: "
         "how many particles fit across the channel decides, more than a spacing a fifth smaller. From 2 to 1 cm, {*/0.01}, the order is above 2.",
         trials=(
-            nearby("wcsph/0.025", "wcsph/0.02", "implicit/0.025", "implicit/0.02"),Trial("thick", "viscosity 5 Pa s", ("wcsph/0.02", "wcsph/0.01"), {"fluids.water.viscosity": "5"}),),
+            nearby("wcsph/0.025", "wcsph/0.02", "implicit/0.025", "implicit/0.02"),
+            Trial("thick", "viscosity 5 Pa s", ("wcsph/0.02", "wcsph/0.01"), {"fluids.water.viscosity": "5"}),
+        ),
     ),
     "F8": Finding(
         why="implicit: the jet is right ({implicit/0.01}, {implicit/0.006} at 1 cm, 6 mm), the discharge {implicit/0.01|1} and {implicit/0.006|1} too large: the jet's outer centimetre holds up to half as many particles again as there is room for. "
