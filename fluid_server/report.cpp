@@ -100,13 +100,17 @@ void Report::warn_of_thin_solids() {
 }
 
 void Report::quiet(const QuietReport& quiet) {
+  settled(quiet);
+  start_ = last_ = fluid_.measure();
+  energy_.start(start_);
+}
+
+void Report::settled(const QuietReport& quiet) {
   quiet_ = quiet;
   if (quiet.change > 1e-3)
     warn(fmt::format(
         "the starting pressure was not found to the end: after {} rounds it still changes by {:.2g} a round",
         quiet.rounds, quiet.change));
-  start_ = last_ = fluid_.measure();
-  energy_.start(start_);
 }
 
 void Report::warn(std::string text) { warnings_.push_back(std::move(text)); }
@@ -132,6 +136,9 @@ void Report::count_slept(double dt, std::span<const exchange::BodyState> states)
 void Report::count(Limit limit, std::span<const exchange::BodyState> before, std::span<const exchange::BodyState> after,
                    double dt, double time) {
   ++limits_[static_cast<std::size_t>(limit)];
+  if (const ImplicitPressure* implicit = fluid_.implicit();
+      implicit && quiet_.rounds < implicit->report().release_rounds)
+    settled({implicit->report().release_rounds, implicit->report().release_change});
   count_impulses(dt, before);
   energy_.step(before, after, dt);
   if (steps_since_measure_++ % 20 == 0) {

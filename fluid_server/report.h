@@ -62,6 +62,7 @@ class Report {
 
  private:
   void count_impulses(double dt, std::span<const exchange::BodyState> states);
+  void settled(const QuietReport& quiet);
   void count_energy(double time);
   void warn_of_thin_solids();
 

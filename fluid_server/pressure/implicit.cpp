@@ -19,12 +19,9 @@ constexpr float kGentle = 0.2f;      // share of that much compression that a st
 constexpr float kMost = 0.02f;       // beyond kNoise, that a step takes back
 // Of the sound speed: the speed that the scene foretells. From there on corrections do not get faster.
 constexpr double kFast = 0.1;
-constexpr float kPull = 0.05f;                  // of the compression to the summed density, per step, inside the fluid
-constexpr float kInside = 0.8f, kSpray = 0.5f;  // fullness of the inside, and of what is spray
-constexpr float kWorst = 1e-2f;                 // density error that a step may leave in any particle
-// Of the mean diagonal: what a row has at least. A particle between solids that no pressure moves would ask for any.
-constexpr double kYielding = 0.05;
-constexpr float kStiffer = 4;     // sound speed, of the explicit solver's
+constexpr float kPull = 0.05f;    // of the compression to the summed density, per step, inside the fluid
+constexpr float kSpray = 0.5f;    // fullness of what is spray
+constexpr float kWorst = 1e-2f;   // density error that a step may leave in any particle
 constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
 }  // namespace
@@ -74,51 +71,20 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
     for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
   });
   correct_compression(particles);
-  predict(states, response);
-  apply_divergence(items, constants, inverse_w_, flow_, divergence_);
-  bodies_.build(items, samples_, states, sums, inverse_w_, constants, dt_);
-  find_diagonal(items, extras, constants, inverse_w_, rows_, pairs_, diagonal_);
-
-  yielding_.resize(n), right_.resize(n), bounded_.resize(n), softness_.resize(n), source_.resize(n);
-  const double dt2 = dt_ * dt_;
-  const auto [trace] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t f = begin; f < end; ++f) sum += diagonal_[f] * dt2;
-    return std::array<double, 1>{sum};
-  });
-  const double mean_diagonal = trace / static_cast<double>(std::max<std::size_t>(n, 1));
-  const float least = static_cast<float>(kYielding * mean_diagonal);
-  const float speed = kStiffer * constants.sound_speed;
+  if (at_rest(particles)) release(particles, states, response, sums);
+  set_up(particles, states, response, sums);
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const float diagonal = static_cast<float>(diagonal_[f] * dt2);
-      const float volume = particles.record[f].volume;
-      softness_[f] = 1 / (extras.density_of(items.fluid_item[f]) * speed * speed);
-      yielding_[f] = std::max(least - diagonal, 0.f) + volume * softness_[f];
-      diagonal_[f] = diagonal + yielding_[f];
-      bounded_[f] = rows_[f].fullness < kInside;
       const float borne = softness_[f] * pressure_[f];
       source_[f] = borne + source_of(particles.compression[f] - borne);
-      right_[f] = volume * source_[f] - static_cast<float>(dt_ * divergence_[f]);
     }
   });
-  balance_closed(particles, mean_diagonal);
-  if (!bodies_.empty()) bodies_.factor(diagonal_);
-  if (fluid_norm_ == 0) estimate_norm();
-  history_.clear();
-  MprgpReport solved =
-      mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
-                   options.most_products, threads);
-  std::span<const float> left = mprgp_.gradient();
-  if (!bodies_.empty() && correct_bodies()) {
-    ++solved.products;
-    left = scaled_;
-  }
+  const MprgpReport solved = find_pressure(particles);
   // What the solve leaves of each particle's divergence becomes compression: nothing is forgotten.
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float volume = particles.record[f].volume;
-      particles.compression[f] += softness_[f] * pressure_[f] - source_[f] - left[f] / volume;
+      particles.compression[f] += softness_[f] * pressure_[f] - source_[f] - left_[f] / volume;
       particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
     }
   });
@@ -130,6 +96,29 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   report_.unreached += !solved.converged;
   report_.worst_residual = std::max(report_.worst_residual, report_.residual);
   report_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The system as set up, with the sources of compression in its right side; what it leaves into left_.
+MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
+  const std::size_t n = particles.size();
+  const int threads = constants_->threads;
+  for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      right_[f] = particles.record[f].volume * source_[f] - static_cast<float>(dt_ * divergence_[f]);
+  });
+  balance_closed(particles);
+  if (!bodies_.empty()) bodies_.factor(diagonal_);
+  if (fluid_norm_ == 0) estimate_norm();
+  history_.clear();
+  MprgpReport solved =
+      mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
+                   options_.most_products, threads);
+  left_ = mprgp_.gradient();
+  if (!bodies_.empty() && correct_bodies()) {
+    ++solved.products;
+    left_ = scaled_;
+  }
+  return solved;
 }
 
 /// At the line where surface and wall meet, samples see the fluid move away along the wall, and the transposed
@@ -151,7 +140,7 @@ void ImplicitPressure::find_shares() {
 /// A fluid without a surface cannot change its volume, and no pressure answers the mean of the right side but a uniform
 /// one, which moves disordered particles a little: it would grow until it does (Taylor-Green vortices stood still after
 /// two steps). Takes that mean away, and gives the uniform pressure a weight of its own, that of one particle.
-void ImplicitPressure::balance_closed(const Particles& particles, double mean_diagonal) {
+void ImplicitPressure::balance_closed(const Particles& particles) {
   const std::size_t n = particles.size();
   const auto [sum, volume, surface] = sum_blocks<3>(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     double right = 0, all = 0, bounded = 0;
@@ -161,7 +150,7 @@ void ImplicitPressure::balance_closed(const Particles& particles, double mean_di
   });
   uniform_ = 0;
   if (surface > 0 || !(volume > 0)) return;
-  uniform_ = mean_diagonal;
+  uniform_ = mean_diagonal_;
   const float whole = static_cast<float>(sum / volume);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) right_[f] -= particles.record[f].volume * whole;
@@ -215,43 +204,6 @@ void ImplicitPressure::correct_compression(Particles& particles) {
       });
   report_.found_mean = compressed / static_cast<double>(std::max<std::size_t>(particles.size(), 1));
   report_.found_max = worst;
-}
-
-/// Velocities at the end of the step without the fluid's pressure.
-void ImplicitPressure::predict(std::span<const exchange::BodyState> states, const Response& response) {
-  Neighbourhood& items = *items_;
-  resize_gently(flow_, items.record.size());
-  for_blocks(items.fluid_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Record& r = items.record[items.fluid_item[f]];
-      const float dt = constants_->dt;
-      const float* a = &acceleration_[3 * f];
-      flow_[items.fluid_item[f]] = {r.vx + dt * a[0], r.vy + dt * a[1], r.vz + dt * a[2], r.volume};
-    }
-  });
-  start_.resize(states.size());
-  for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto mobility = mobility_of(states[b]);
-    Vector6 wrench;
-    wrench << Vec3::Map(response.wrenches()[b].force), Vec3::Map(response.wrenches()[b].torque);
-    start_[b] = Vector6::Map(states[b].free_acceleration) + mobility * wrench;
-  }
-  for_blocks(items.sample_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;
-      const Record& r = items.record[item];
-      flow_[item] = {r.vx, r.vy, r.vz, r.volume};
-      const std::uint32_t body = samples_.body[sample];
-      if (sample < samples_.first_moving) continue;
-      const exchange::BodyState& state = states[body];
-      const Quat q = rotation_of(state);
-      const Vec3 arm = q * samples_.local[sample].cast<double>();
-      const Vec3 gain = dt_ * (start_[body].head<3>() + start_[body].tail<3>().cross(arm));
-      flow_[item].x += static_cast<float>(gain[0]);
-      flow_[item].y += static_cast<float>(gain[1]);
-      flow_[item].z += static_cast<float>(gain[2]);
-    }
-  });
 }
 
 void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {
@@ -362,26 +314,6 @@ bool ImplicitPressure::correct_bodies() {
     for (std::size_t f = begin; f < end; ++f) scaled_[f] -= right_[f];
   });
   return true;
-}
-
-/// Largest eigenvalue of the fluid's part scaled by its diagonal, by power iteration from a rough start.
-void ImplicitPressure::estimate_norm() {
-  const std::size_t n = particles_->size();
-  std::vector<float> x(n), y;
-  for (std::size_t f = 0; f < n; ++f) x[f] = (f * 2654435761u >> 16 & 1) ? 1.f : -1.f;
-  fluid_norm_ = 2;
-  for (int k = 0; k < 20; ++k) {
-    options_.sign_of_life();
-    apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, y);
-    double xx = 0, yy = 0;
-    for (std::size_t f = 0; f < n; ++f) {
-      y[f] *= static_cast<float>(dt_ * dt_) / diagonal_[f];
-      xx += static_cast<double>(x[f]) * x[f] * diagonal_[f], yy += static_cast<double>(y[f]) * y[f] * diagonal_[f];
-    }
-    const double norm = std::sqrt(yy / xx);
-    fluid_norm_ = std::max(2.0, 1.1 * norm);
-    for (std::size_t f = 0; f < n; ++f) x[f] = y[f] / static_cast<float>(norm);
-  }
 }
 
 std::size_t ImplicitPressure::memory() const {

@@ -35,6 +35,8 @@ struct ImplicitReport {
   double found_max = 0;       ///< and largest
   double worst_residual = 0;  ///< of all
   double seconds = 0;         ///< inside the solver
+  int release_rounds = 0;     ///< until the pressure at release had settled; 0: the fluid was in motion
+  double release_change = 0;  ///< of that pressure in the last round, of the largest
 };
 
 class ImplicitPressure : private QuadraticProgram {
@@ -66,12 +68,19 @@ class ImplicitPressure : private QuadraticProgram {
   bool good(std::span<const float> x, std::span<const float> gradient) override;
   bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
 
+  void set_up(const Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
+              const std::vector<SampleSums>& sums);
+  static bool at_rest(const Particles& particles);
+  void release(Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
+               const std::vector<SampleSums>& sums);
+  MprgpReport find_pressure(const Particles& particles);
   float source_of(float compression) const;
   void find_shares();
-  void balance_closed(const Particles& particles, double mean_diagonal);
+  void balance_closed(const Particles& particles);
   void correct_compression(Particles& particles);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
+  double slowest_wave(const Particles& particles) const;
   void foresee(std::span<const float> x);
   void find_correction(std::span<const float> gradient);
   double allowed(std::size_t body) const;
@@ -87,6 +96,7 @@ class ImplicitPressure : private QuadraticProgram {
   ImplicitOptions options_;
   double dt_ = 0, reference_ = 0;  // acceleration that a change of a body's is compared with
   bool weighs_ = false;            // the fluid has gravity
+  bool at_release_ = false;        // accelerations count, velocities do not
   float pace_ = 1;                 // share of its correction that a step of this length makes
 
   Mprgp mprgp_;
@@ -103,8 +113,11 @@ class ImplicitPressure : private QuadraticProgram {
   std::vector<Vector6> reduced_, foreseen_, start_;
   std::vector<Vector6> correction_, gained_;  // find_correction
   std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
+  std::vector<float> last_;                   // release
+  std::span<const float> left_;               // the right side that the last solve has not met
+  static constexpr float kInside = 0.8f;      // fullness of the inside
   static constexpr double kNegligible = 0.1;  // of the error that a step may leave
-  double fluid_norm_ = 0, volume_ = 0;
+  double fluid_norm_ = 0, volume_ = 0, mean_diagonal_ = 0;
   ImplicitReport report_;
 };
 

@@ -32,7 +32,7 @@ double longest_extent(const Particles& particles, const Coordinates& coordinates
 
 QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states) {
   QuietReport report;
-  if (implicit_) return report;  // its first solve finds that pressure
+  if (implicit_) return report;  // finds that pressure in its first step
   const auto moving = [](const Record& r) { return r.vx != 0 || r.vy != 0 || r.vz != 0; };
   samples_->place(states, coordinates_, constants_.threads);
   if (std::any_of(particles_.record.begin(), particles_.record.end(), moving) ||

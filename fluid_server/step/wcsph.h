@@ -33,7 +33,7 @@ struct IdleSamples {
 
 /// How the search for the starting pressure went.
 struct QuietReport {
-  int rounds = 0;     ///< 0: not done, something moves at the start
+  int rounds = 0;     ///< 0: not done, something moves at the start (implicit: the fluid does)
   double change = 0;  ///< of pressure in the last round, over the largest pressure
 };
 
