@@ -71,8 +71,9 @@ class ImplicitPressure : private QuadraticProgram {
   void set_up(const Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
               const std::vector<SampleSums>& sums);
   static bool at_rest(const Particles& particles);
-  void release(Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
-               const std::vector<SampleSums>& sums);
+  void release(Particles& particles, std::span<const exchange::BodyState> states, Response& response,
+               std::vector<SampleSums>& sums);
+  void find_unpressed(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
   MprgpReport find_pressure(const Particles& particles);
   float source_of(float compression) const;
   void find_shares();
@@ -91,7 +92,7 @@ class ImplicitPressure : private QuadraticProgram {
   // of the solve at hand
   Particles* particles_ = nullptr;
   Neighbourhood* items_ = nullptr;
-  const ItemExtras* extras_ = nullptr;
+  ItemExtras* extras_ = nullptr;
   const PassConstants* constants_ = nullptr;
   ImplicitOptions options_;
   double dt_ = 0, reference_ = 0;  // acceleration that a change of a body's is compared with

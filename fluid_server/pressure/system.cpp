@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fluid_server/pressure/implicit.h"
 #include "fluid_server/pressure/sums.h"
@@ -18,6 +19,14 @@ constexpr int kMostRounds = 100;   // at release
 constexpr double kSettled = 1e-3;  // change of pressure in a round, of the largest
 
 }  // namespace
+
+/// Wrenches and accelerations without the fluid's pressure, from the sums of samples.
+void ImplicitPressure::find_unpressed(std::span<const exchange::BodyState> states, Response& response,
+                                      std::vector<SampleSums>& sums) {
+  scale(sums);
+  response.solve(*items_, *extras_, sums, *constants_, states, Scheme::kLeftOut, Films::kStay);
+  accelerate(*items_, *extras_, *constants_, acceleration_);
+}
 
 /// All but the right side: velocities without the fluid's pressure and their divergence, rows of bodies, diagonal.
 void ImplicitPressure::set_up(const Particles& particles, std::span<const exchange::BodyState> states,
@@ -97,9 +106,15 @@ bool ImplicitPressure::at_rest(const Particles& particles) {
 /// A fluid at rest bears the pressure of its release from the first step on: what that compresses, p / (rho c^2), is
 /// there from the start. Otherwise all water would sink by it in the first steps, at centimetres a second, and take
 /// what floats along. Rounds of the same system, of accelerations alone, each with the compression that the round
-/// before asks for; in a step so long that they settle soon: the pressure at release does not depend on it.
-void ImplicitPressure::release(Particles& particles, std::span<const exchange::BodyState> states,
-                               const Response& response, const std::vector<SampleSums>& sums) {
+/// before asks for; in a step so long that they settle soon: the pressure at release does not depend on it. Walls and
+/// bodies in motion push and drag later: they count as at rest.
+void ImplicitPressure::release(Particles& particles, std::span<const exchange::BodyState> states, Response& response,
+                               std::vector<SampleSums>& sums) {
+  PassConstants still = *constants_;
+  still.viscous = still.ram_on_samples = false;
+  const PassConstants* usual = std::exchange(constants_, &still);
+  gather_samples(*items_, *extras_, *constants_, sums);
+  find_unpressed(states, response, sums);
   const ImplicitOptions options = options_;
   const double dt = dt_;
   dt_ = std::max(dt, kReach / (kStiffer * constants_->sound_speed * slowest_wave(particles)));
@@ -124,7 +139,9 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   for (std::size_t f = 0; f < n; ++f) particles.compression[f] += softness_[f] * pressure_[f];
   last_ = {};
   at_release_ = false;
-  options_ = options, dt_ = dt;
+  options_ = options, dt_ = dt, constants_ = usual;
+  gather_samples(*items_, *extras_, *constants_, sums);
+  find_unpressed(states, response, sums);
 }
 
 /// Wave number of a quarter of a wave over the extent of the fluid along its gravity, or its largest, 1/m.
