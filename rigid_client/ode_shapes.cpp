@@ -20,8 +20,6 @@ constexpr double kFarAway = 1e9;     // m
 constexpr double kSamePoint = 1e-9;  // relative to length_scale
 constexpr double kDepthSlop = 1e-3;  // of length_scale: ten times as deep as resting contacts are
 
-Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
-
 void start_ode() {
   static const int started = dInitODE2(0);
   thread_local const int allocated = dAllocateODEDataForThread(dAllocateMaskAll);
@@ -71,7 +69,7 @@ double least_half_extent(const ShapeRecord& r, const exchange::ManifestView& man
   }
   Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
   for (std::uint32_t v = 0; v < r.vertex_count; ++v) {
-    const Vec3 point = vec(&manifest.vertices[3 * (r.first_vertex + v)]);
+    const Vec3 point = Vec3::Map(&manifest.vertices[3 * (r.first_vertex + v)]);
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
@@ -167,7 +165,7 @@ void OdeShapes::make_surfaces() {
   for (const auto& part : parts_) {
     if (!is_mesh(part)) continue;
     TriangleMesh mesh;
-    for (std::size_t i = 0; i < part->vertices.size(); i += 3) mesh.vertices.push_back(vec(&part->vertices[i]));
+    for (std::size_t i = 0; i < part->vertices.size(); i += 3) mesh.vertices.push_back(Vec3::Map(&part->vertices[i]));
     for (std::size_t i = 0; i < part->triangles.size(); i += 3) {
       mesh.triangles.push_back({part->triangles[i], part->triangles[i + 1], part->triangles[i + 2]});
     }
@@ -183,10 +181,10 @@ Status OdeShapes::add(const ShapeRecord& record, const exchange::ManifestView& m
   if (auto fine = check_shape(record, manifest); !fine) return fine;
   auto part = std::make_unique<Part>();
   part->body = record.body;
-  part->position = vec(record.position);
+  part->position = Vec3::Map(record.position);
   const double* q = record.orientation;
   part->orientation = Quat(q[0], q[1], q[2], q[3]).normalized();
-  part->normal = vec(record.normal);
+  part->normal = Vec3::Map(record.normal);
   if (record.type == ShapeType::kMesh) {
     add_mesh(*part, record, manifest);
   } else {
@@ -281,7 +279,7 @@ void OdeShapes::collide_geoms(const Part& a, const Part& b) {
   if (n > 0 && b_capsule && !a_capsule) n += collide_caps(b.geom, a.geom, false, geoms.data() + n);
   for (int i = 0; i < n; ++i) {
     const dContactGeom& g = geoms[static_cast<std::size_t>(i)];
-    found_.push_back({vec(g.pos), vec(g.normal), g.depth});
+    found_.push_back({Vec3::Map(g.pos), Vec3::Map(g.normal), g.depth});
   }
 }
 

@@ -26,7 +26,7 @@ constexpr NumberField kContactFields[] = {FIELD(Contact, position), FIELD(Contac
                                           FIELD(Contact, depth), FIELD(Contact, area)};
 #undef FIELD
 
-std::string number(double value) {
+std::string shown_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
@@ -65,7 +65,8 @@ Error first_bad_number(std::span<const Record> records, const NumberField (&fiel
         const double v = values[f.offset + i];
         if (std::isfinite(v)) continue;
         const std::string index = f.count > 1 ? "[" + std::to_string(i) + "]" : "";
-        return bad_field(expected, f.name + index + " of " + body_name(m, body_of(r)), number(v), "a finite number");
+        return bad_field(expected, f.name + index + " of " + body_name(m, body_of(r)), shown_number(v),
+                         "a finite number");
       }
     }
   }
@@ -100,9 +101,9 @@ Status check_order(const Order& o, const Expected& e, const ManifestView& m) {
   const std::uint64_t step = again ? e.step : e.step + 1;
   if (o.step != step) return mismatch(e, "step", o.step, step);
   if (again && o.iteration != e.iteration + 1) return mismatch(e, "iteration", o.iteration, e.iteration + 1);
-  if (!std::isfinite(o.time)) return bad_field(e, "time", number(o.time), "a finite number");
-  if (!(std::isfinite(o.dt) && o.dt > 0)) return bad_field(e, "dt", number(o.dt), "a positive number");
-  if (!good_bound(o.next_dt)) return bad_field(e, "next_dt", number(o.next_dt), "a bound, or 0 for none");
+  if (!std::isfinite(o.time)) return bad_field(e, "time", shown_number(o.time), "a finite number");
+  if (!(std::isfinite(o.dt) && o.dt > 0)) return bad_field(e, "dt", shown_number(o.dt), "a positive number");
+  if (!good_bound(o.next_dt)) return bad_field(e, "next_dt", shown_number(o.next_dt), "a bound, or 0 for none");
   const auto n = static_cast<std::uint32_t>(m.bodies.size());
   if (o.bodies != n) return mismatch(e, "bodies", o.bodies, n);
   if (o.commands > kMostCommands)
@@ -117,8 +118,9 @@ Status check_command(const Command& c, const Expected& e, const ManifestView& m)
     return bad_field(e, "body of a command", std::to_string(c.body),
                      "an index below " + std::to_string(m.bodies.size()));
   for (const double v : c.values)
-    if (!std::isfinite(v)) return bad_field(e, "values of a command", number(v), "a finite number");
-  if (!std::isfinite(c.duration)) return bad_field(e, "duration of a command", number(c.duration), "a finite number");
+    if (!std::isfinite(v)) return bad_field(e, "values of a command", shown_number(v), "a finite number");
+  if (!std::isfinite(c.duration))
+    return bad_field(e, "duration of a command", shown_number(c.duration), "a finite number");
   return ok();
 }
 
@@ -127,8 +129,8 @@ Status check_answer(const Answer& a, const Expected& e, const ManifestView& m) {
   if (a.iteration != e.iteration) return mismatch(e, "iteration", a.iteration, e.iteration);
   const auto n = static_cast<std::uint32_t>(m.bodies.size());
   if (a.bodies != n) return mismatch(e, "bodies", a.bodies, n);
-  if (!std::isfinite(a.time)) return bad_field(e, "time", number(a.time), "a finite number");
-  if (!good_bound(a.max_dt)) return bad_field(e, "max_dt", number(a.max_dt), "a bound, or 0 for none");
+  if (!std::isfinite(a.time)) return bad_field(e, "time", shown_number(a.time), "a finite number");
+  if (!good_bound(a.max_dt)) return bad_field(e, "max_dt", shown_number(a.max_dt), "a bound, or 0 for none");
   return ok();
 }
 
@@ -145,7 +147,7 @@ Status check_states(std::span<const BodyState> states, const Expected& e, const 
     const double* q = states[i].orientation;
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (std::abs(square - 1) > 2 * kUnitTolerance) {
-      return bad_field(e, "orientation of " + body_name(m, i), "length " + number(std::sqrt(square)), "length 1");
+      return bad_field(e, "orientation of " + body_name(m, i), "length " + shown_number(std::sqrt(square)), "length 1");
     }
   }
   return ok();
