@@ -68,8 +68,9 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   for_blocks(sums.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
   });
+  const bool first = untouched(particles);
   correct_compression(particles);
-  if (at_rest(particles)) release(particles, states, response, sums);
+  if (first) release(particles, states, response, sums);
   set_up(particles, states, response, sums);
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {

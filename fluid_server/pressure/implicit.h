@@ -70,7 +70,7 @@ class ImplicitPressure : private QuadraticProgram {
 
   void set_up(const Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
               const std::vector<SampleSums>& sums);
-  static bool at_rest(const Particles& particles);
+  static bool untouched(const Particles& particles);
   void release(Particles& particles, std::span<const exchange::BodyState> states, Response& response,
                std::vector<SampleSums>& sums);
   void find_unpressed(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);

@@ -98,9 +98,11 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
   });
 }
 
-bool ImplicitPressure::at_rest(const Particles& particles) {
+/// Before the first step of a fluid that does not move yet, which may be repeated.
+bool ImplicitPressure::untouched(const Particles& particles) {
   return std::all_of(particles.record.begin(), particles.record.end(),
-                     [](const Record& r) { return r.vx == 0 && r.vy == 0 && r.vz == 0; });
+                     [](const Record& r) { return r.vx == 0 && r.vy == 0 && r.vz == 0; }) &&
+         std::all_of(particles.compression.begin(), particles.compression.end(), [](float e) { return e == 0; });
 }
 
 /// A fluid at rest bears the pressure of its release from the first step on: what that compresses, p / (rho c^2), is
