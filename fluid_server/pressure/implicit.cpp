@@ -62,7 +62,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   gather_samples(items, extras, constants, sums);
   sum_rows(items, extras, constants, rows_, pairs_);
   find_shares();
-  find_unpressed(states, response, sums);
+  without_pressure(states, response, sums);
 
   inverse_w_.resize(sums.size());
   for_blocks(sums.size(), threads, [&](std::size_t begin, std::size_t end) {

@@ -73,7 +73,7 @@ class ImplicitPressure : private QuadraticProgram {
   static bool untouched(const Particles& particles);
   void release(Particles& particles, std::span<const exchange::BodyState> states, Response& response,
                std::vector<SampleSums>& sums);
-  void find_unpressed(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
+  void without_pressure(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
   MprgpReport find_pressure(const Particles& particles);
   float source_of(float compression) const;
   void find_shares();

@@ -21,8 +21,8 @@ constexpr double kSettled = 1e-3;  // change of pressure in a round, of the larg
 }  // namespace
 
 /// Wrenches and accelerations without the fluid's pressure, from the sums of samples.
-void ImplicitPressure::find_unpressed(std::span<const exchange::BodyState> states, Response& response,
-                                      std::vector<SampleSums>& sums) {
+void ImplicitPressure::without_pressure(std::span<const exchange::BodyState> states, Response& response,
+                                        std::vector<SampleSums>& sums) {
   scale(sums);
   response.solve(*items_, *extras_, sums, *constants_, states, Scheme::kLeftOut, Films::kStay);
   accelerate(*items_, *extras_, *constants_, acceleration_);
@@ -116,7 +116,7 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   still.viscous = still.ram_on_samples = false;
   const PassConstants* usual = std::exchange(constants_, &still);
   gather_samples(*items_, *extras_, *constants_, sums);
-  find_unpressed(states, response, sums);
+  without_pressure(states, response, sums);
   const ImplicitOptions options = options_;
   const double dt = dt_;
   dt_ = std::max(dt, kReach / (kStiffer * constants_->sound_speed * slowest_wave(particles)));
@@ -143,7 +143,7 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   at_release_ = false;
   options_ = options, dt_ = dt, constants_ = usual;
   gather_samples(*items_, *extras_, *constants_, sums);
-  find_unpressed(states, response, sums);
+  without_pressure(states, response, sums);
 }
 
 /// Wave number of a quarter of a wave over the extent of the fluid along its gravity, or its largest, 1/m.

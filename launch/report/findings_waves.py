@@ -33,9 +33,8 @@ FINDINGS = {
         ),
     ),
     "B9": Finding(
-        order_why="theory has a sea, the run a tank of 2 m. Heights are taken about where the cylinder comes to rest once the water that it pushes aside has spread over the tank, 1.9 mm higher than at the start, a thirteenth of the lift; while it swings that water is on its way. About the level that fits each run best it is {wcsph/0.0127|1} and {wcsph/0.0076|1} at 12.7 and 7.6 mm (explicit), {implicit/0.0127|1} and {implicit/0.0076|1} (implicit); in a tank of 4 m, about its own, {wcsph/0.0076+wider} and {implicit/0.0076+wider}. 0.3 spacings aside in the lattice it is {wcsph/0.0076+aside}.\n"
-        "What is left at 7.6 mm does not fall either. It is not that theory is linear and the lift a third of the radius: with half the lift, {wcsph/0.0076+half|1} (explicit) and {implicit/0.0076+half|1} (implicit) of it are left, which is less in millimetres, but by a third at most. Nor is it the depth: in a tank of 4 m, 1 m deep, {wcsph/0.0127+deep} at 12.7 mm, as in one half as deep ({wcsph/0.0127+wider}). "
-        "An error that hardly goes with the lift is one of the particles, a few hundredths of a spacing, as they lie around the cylinder (B9s).",
+        order_why="theory has a sea, the run a tank of 2 m. Heights are taken about where the cylinder comes to rest once the water that it pushes aside has spread over the tank, 1.9 mm higher than at the start, a thirteenth of the lift; while it swings that water is on its way. About the level that fits each run best it is {wcsph/0.0127|1} and {wcsph/0.0076|1} at 12.7 and 7.6 mm (explicit), {implicit/0.0127|1} and {implicit/0.0076|1} (implicit). In a tank of 4 m, about its own level, it is {wcsph/0.0127+wider} and {wcsph/0.0076+wider} (explicit), an order of nearly 1, and {implicit/0.0076+wider} at 7.6 mm (implicit).\n"
+        "It is not the depth (1 m: {wcsph/0.0127+deep} at 12.7 mm), nor that theory is linear and the lift a third of the radius: with half the lift {wcsph/0.0076+half|1} (explicit) and {implicit/0.0076+half|1} (implicit) of it are left, which is less in millimetres, but by a third at most. 0.3 spacings aside in the lattice it is {wcsph/0.0076+aside}.",
         trials=(
             Trial("wider", "a tank of 4 m", ("wcsph/0.0127", "wcsph/0.0076", "implicit/0.0076"), wider_tank(0.0254), values={"tank": 4}),
             Trial(
