@@ -1,5 +1,6 @@
 // The particles: one 32-byte record each, as the passes over pairs read it, in the order of the cells they lie in.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -34,6 +35,10 @@ struct Particles {
   void state(A& a) {
     a("record", record), a("id", id);
     if (has_compression) a("compression", compression);
+  }
+  bool at_rest() const {
+    return std::all_of(record.begin(), record.end(),
+                       [](const Record& r) { return r.vx == 0 && r.vy == 0 && r.vz == 0; });
   }
   void resize(std::size_t n) {
     for_each_field([&](auto field) { (this->*field).resize(n); });

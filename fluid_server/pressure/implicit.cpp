@@ -59,18 +59,12 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
       items.record[items.fluid_item[f]].p = 0;
     }
   });
-  gather_samples(items, extras, constants, sums);
   sum_rows(items, extras, constants, rows_, pairs_);
   find_shares();
-  without_pressure(states, response, sums);
-
-  inverse_w_.resize(sums.size());
-  for_blocks(sums.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
-  });
   const bool first = untouched(particles);
   correct_compression(particles);
   if (first) release(particles, states, response, sums);
+  without_pressure(states, response, sums);
   set_up(particles, states, response, sums);
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {

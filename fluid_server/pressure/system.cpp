@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "fluid_server/particles/extent.h"
 #include "fluid_server/pressure/implicit.h"
 #include "fluid_server/pressure/sums.h"
 
@@ -20,12 +21,17 @@ constexpr double kSettled = 1e-3;  // change of pressure in a round, of the larg
 
 }  // namespace
 
-/// Wrenches and accelerations without the fluid's pressure, from the sums of samples.
+/// Wrenches and accelerations without the fluid's pressure, with the sums of samples that they need.
 void ImplicitPressure::without_pressure(std::span<const exchange::BodyState> states, Response& response,
                                         std::vector<SampleSums>& sums) {
+  gather_samples(*items_, *extras_, *constants_, sums);
   scale(sums);
   response.solve(*items_, *extras_, sums, *constants_, states, Scheme::kLeftOut, Films::kStay);
   accelerate(*items_, *extras_, *constants_, acceleration_);
+  inverse_w_.resize(sums.size());
+  for_blocks(sums.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
+  });
 }
 
 /// All but the right side: velocities without the fluid's pressure and their divergence, rows of bodies, diagonal.
@@ -100,8 +106,7 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
 
 /// Before the first step of a fluid that does not move yet, which may be repeated.
 bool ImplicitPressure::untouched(const Particles& particles) {
-  return std::all_of(particles.record.begin(), particles.record.end(),
-                     [](const Record& r) { return r.vx == 0 && r.vy == 0 && r.vz == 0; }) &&
+  return particles.at_rest() &&
          std::all_of(particles.compression.begin(), particles.compression.end(), [](float e) { return e == 0; });
 }
 
@@ -115,7 +120,6 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   PassConstants still = *constants_;
   still.viscous = still.ram_on_samples = false;
   const PassConstants* usual = std::exchange(constants_, &still);
-  gather_samples(*items_, *extras_, *constants_, sums);
   without_pressure(states, response, sums);
   const ImplicitOptions options = options_;
   const double dt = dt_;
@@ -142,20 +146,13 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   last_ = {};
   at_release_ = false;
   options_ = options, dt_ = dt, constants_ = usual;
-  gather_samples(*items_, *extras_, *constants_, sums);
-  without_pressure(states, response, sums);
 }
 
 /// Wave number of a quarter of a wave over the extent of the fluid along its gravity, or its largest, 1/m.
 double ImplicitPressure::slowest_wave(const Particles& particles) const {
-  const Coordinates& coordinates = items_->coordinates();
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Record& r : particles.record) {
-    const Vec3 x = coordinates.to_metres(r.x, r.y, r.z);
-    low = low.cwiseMin(x), high = high.cwiseMax(x);
-  }
+  const Vec3 lengths = extent_of(particles, items_->coordinates());
   const Vec3 gravity(constants_->gravity[0], constants_->gravity[1], constants_->gravity[2]);
-  const double extent = weighs_ ? gravity.cwiseAbs().dot(high - low) / gravity.norm() : (high - low).maxCoeff();
+  const double extent = weighs_ ? gravity.cwiseAbs().dot(lengths) / gravity.norm() : lengths.maxCoeff();
   return std::numbers::pi / (2 * std::max(extent, spacing_));
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fluid_server/particles/extent.h"
 #include "fluid_server/step/wcsph.h"
 
 namespace ballast::fluid {
@@ -19,15 +20,6 @@ constexpr int kMostRounds = 3000;
 constexpr double kCourant = 0.6;     // of h / c, as in time
 constexpr double kConverged = 1e-4;  // largest change of pressure in a round over the largest pressure
 
-double longest_extent(const Particles& particles, const Coordinates& coordinates) {
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Record& r : particles.record) {
-    const Vec3 p = coordinates.to_metres(r.x, r.y, r.z);
-    low = low.cwiseMin(p), high = high.cwiseMax(p);
-  }
-  return (high - low).maxCoeff();
-}
-
 }  // namespace
 
 QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states) {
@@ -35,8 +27,7 @@ QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states)
   if (implicit_) return report;  // finds that pressure in its first step
   const auto moving = [](const Record& r) { return r.vx != 0 || r.vy != 0 || r.vz != 0; };
   samples_->place(states, coordinates_, constants_.threads);
-  if (std::any_of(particles_.record.begin(), particles_.record.end(), moving) ||
-      std::any_of(samples_->record.begin(), samples_->record.end(), moving))
+  if (!particles_.at_rest() || std::any_of(samples_->record.begin(), samples_->record.end(), moving))
     return report;  // what is in motion has its own pressure field, which the release does not decide
   std::swap(particles_, before_);
   items_->rebuild(before_, particles_, samples_->moving(), samples_->first_moving);
@@ -47,7 +38,7 @@ QuietReport WcsphFluid::quiet_start(std::span<const exchange::BodyState> states)
   frozen.diffusion = 0;
   build_lists(*items_, frozen);
   const double tau = kCourant * frozen.kernel.h() / frozen.sound_speed;
-  const double slowest = frozen.sound_speed * std::numbers::pi / (2 * longest_extent(particles_, coordinates_));
+  const double slowest = frozen.sound_speed * std::numbers::pi / (2 * extent_of(particles_, coordinates_).maxCoeff());
   const float keep = static_cast<float>(std::max(0.0, 1 - 2 * slowest * tau));
   frozen.dt = static_cast<float>(tau * tau);
   std::vector<float> last(particles_.size());

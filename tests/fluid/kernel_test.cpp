@@ -7,8 +7,6 @@
 namespace ballast::fluid {
 namespace {
 
-constexpr double kKernelSpacing = 0.02;
-
 struct KernelCase {
   KernelKind kind;
   int dimension;
@@ -16,7 +14,8 @@ struct KernelCase {
 
 class Kernels : public ::testing::TestWithParam<KernelCase> {
  protected:
-  Kernel kernel_ = Kernel::of(GetParam().kind, GetParam().dimension, kKernelSpacing);
+  static constexpr double kSpacing = 0.02;
+  Kernel kernel_ = Kernel::of(GetParam().kind, GetParam().dimension, kSpacing);
 };
 
 TEST_P(Kernels, HaveAnIntegralOfOneAndSlopesOfTheirValue) {
@@ -38,12 +37,12 @@ TEST_P(Kernels, HaveAnIntegralOfOneAndSlopesOfTheirValue) {
 // A field of slope 1 along x, and x^2, whose Laplacian is 2, seen from the particle in the middle of a lattice.
 TEST_P(Kernels, GiveGradientAndLaplacianOnALattice) {
   const int n = 4, deep = kernel_.dimension == 3 ? n : 0;
-  const double volume = std::pow(kKernelSpacing, kernel_.dimension);
+  const double volume = std::pow(kSpacing, kernel_.dimension);
   double gradient = 0, laplacian = 0;
   for (int i = -n; i <= n; ++i)
     for (int j = -n; j <= n; ++j)
       for (int k = -deep; k <= deep; ++k) {
-        const double x = i * kKernelSpacing, r = kKernelSpacing * std::sqrt(double(i * i + j * j + k * k));
+        const double x = i * kSpacing, r = kSpacing * std::sqrt(double(i * i + j * j + k * k));
         if (r == 0) continue;
         gradient += volume * x * -kernel_.slope_over_r(r) * x;
         laplacian += volume * 2 * x * x * -kernel_.slope_over_r(r);

@@ -11,27 +11,27 @@
 namespace ballast::fluid {
 namespace {
 
-constexpr double kDeep = 0.5, kApart = 0.025, kWeighs = 9.80665;
-
-Scene standing_water() {
-  Scene scene;
-  scene.world.dimension = 2;
-  scene.world.spacing = kApart;
-  scene.numerics.pressure = Pressure::kImplicit;
-  scene.models = {tank({1, 1, 1})};
-  Fluid water;
-  water.fill.box = {{0, -0.5, 0}, {1, 0.5, kDeep}};
-  scene.fluids = {water};
-  return scene;
-}
-
 class Release : public testing::Test {
  protected:
+  static constexpr double kDepth = 0.5, kSpacing = 0.025, kGravity = 9.80665;
+
+  static Scene standing_water() {
+    Scene scene;
+    scene.world.dimension = 2;
+    scene.world.spacing = kSpacing;
+    scene.numerics.pressure = Pressure::kImplicit;
+    scene.models = {tank({1, 1, 1})};
+    Fluid water;
+    water.fill.box = {{0, -0.5, 0}, {1, 0.5, kDepth}};
+    scene.fluids = {water};
+    return scene;
+  }
+
   Release() {
     bodies = *make_bodies(scene);
     fluid = *WcsphFluid::make(scene, bodies, 1);
     states = {initial_state(scene.models[0], bodies[0], scene.world.gravity)};
-    const double dt = 0.2 * std::sqrt(kApart / kWeighs);
+    const double dt = 0.2 * std::sqrt(kSpacing / kGravity);
     fluid->begin(states, dt), fluid->move();
   }
 
@@ -48,15 +48,15 @@ TEST_F(Release, CompressesWaterByTheWeightAboveIt) {
   double off = 0, number = 0;
   for (std::size_t f = 0; f < fluid->particles().size(); ++f) {
     const Record& r = fluid->particles().record[f];
-    const double weight = kWeighs * (kDeep - fluid->coordinates().to_metres(r.x, r.y, r.z)[2]);
-    if (weight > 2 * kWeighs * kApart) {
-      EXPECT_NEAR(r.p, 1000 * weight, 0.02 * 1000 * kWeighs * kDeep);
+    const double weight = kGravity * (kDepth - fluid->coordinates().to_metres(r.x, r.y, r.z)[2]);
+    if (weight > 2 * kGravity * kSpacing) {
+      EXPECT_NEAR(r.p, 1000 * weight, 0.02 * 1000 * kGravity * kDepth);
     }
     off += fluid->particles().compression[f] - weight / (c * c);
     ++number;
   }
   ASSERT_EQ(number, 800);
-  EXPECT_NEAR(off / number, 0, 0.02 * kWeighs * kDeep / (c * c));
+  EXPECT_NEAR(off / number, 0, 0.02 * kGravity * kDepth / (c * c));
 }
 
 /// Water that sinks by its compression in one step does so at g H^2 / (2 c^2) / dt, 18 mm/s at the surface.
