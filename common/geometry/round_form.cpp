@@ -21,9 +21,12 @@ struct CylinderMass {
       : volume(kPi * r * r * l), axial(0.5 * volume * r * r), across(volume * (3 * r * r + l * l) / 12) {}
 };
 
-// Cells along the radius: the whole of it, only the wall of a room, or room and wall.
+// Cells along the radius: the whole of it, only the wall of a room, or room and wall. Of more than a spacing there are
+// two at least: one alone would lie so deep that the fluid hardly feels it.
 std::vector<Cell> solid_radius(double radius, double spacing) {
-  std::vector<Cell> cells = solid_cells(0, radius, spacing);
+  constexpr double kMoreThanOne = 1.6;  // rounds to two
+  const double pitch = radius > spacing ? std::min(spacing, radius / kMoreThanOne) : spacing;
+  std::vector<Cell> cells = solid_cells(0, radius, pitch);
   for (Cell& c : cells) c.outer = radius - (c.centre + 0.5 * c.width);
   return cells;
 }

@@ -81,6 +81,22 @@ TEST(Samples, LieOnLayersHalfAPitchInside) {
   }
 }
 
+// Whatever their radius: a sphere with one layer of samples, three quarters of a spacing deep, sank a third too fast.
+TEST(Samples, OfRoundSolidsBeginHalfASpacingDeep) {
+  for (double r = 0.7; r < 4; r += 0.01) {
+    for (const Sampled& c : std::vector<Sampled>{{"disc", sphere(r), 2},
+                                                 {"sphere", sphere(r), 3},
+                                                 {"cylinder", cylinder(r, 6), 3},
+                                                 {"capsule", capsule(r, 6), 3}}) {
+      double nearest = 1e300;
+      for (const SurfaceSample& sample : solid(c.shape, c.dimension, 1).samples(1, 10, kEverywhere))
+        nearest = std::min(nearest, sample.depth);
+      EXPECT_GT(nearest, 0.24) << c.name << " of radius " << r;
+      EXPECT_LT(nearest, 0.63) << c.name << " of radius " << r;
+    }
+  }
+}
+
 TEST(Samples, AreAboutOneSpacingApart) {
   for (const Sampled& c : primitives()) {
     const auto samples = solid(c.shape, c.dimension, kSpacing).samples(kSpacing, 0.3, kEverywhere);
