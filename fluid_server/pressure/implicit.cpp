@@ -24,6 +24,18 @@ constexpr float kSpray = 0.5f;    // fullness of what is spray
 constexpr float kWorst = 1e-2f;   // density error that a step may leave in any particle
 constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
+/// What a gradient leaves of the density: its sum, m^3, the largest as a share of a particle's volume, the whole
+/// volume.
+struct Left {
+  double sum = 0, volume = 0;
+  float worst = 0;
+  void add(const Left& other) {
+    sum += other.sum;
+    volume += other.volume;
+    worst = std::max(worst, other.worst);
+  }
+};
+
 }  // namespace
 
 /// The compression that a step takes back: what disorder makes gently, so that it does not become noise of the
@@ -235,22 +247,25 @@ void ImplicitPressure::precondition(std::span<const float> r, std::vector<float>
 }
 
 bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gradient) {
-  float worst = 0;
-#pragma omp parallel for num_threads(constants_->threads) schedule(static) reduction(max \
-                                                                                     : worst) if (x.size() > kSerial)
-  for (std::size_t f = 0; f < x.size(); ++f)
-    worst = std::max(worst, std::abs(gradient[f]) / particles_->record[f].volume);
-  const auto [error, volume] = sum_blocks<2>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    double sum = 0, all = 0;
-    for (std::size_t f = begin; f < end; ++f) sum += std::abs(gradient[f]), all += particles_->record[f].volume;
-    return std::array<double, 2>{sum, all};
+  const bool with_bodies = !bodies_.empty();
+  if (with_bodies) scaled_.resize(gradient.size());
+  const Left left = fold_blocks<Left>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    Left part;
+    for (std::size_t f = begin; f < end; ++f) {
+      const float size = std::abs(gradient[f]);
+      part.worst = std::max(part.worst, size / particles_->record[f].volume);
+      part.sum += size;
+      part.volume += particles_->record[f].volume;
+      if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
+    }
+    return part;
   });
-  volume_ = volume;
-  report_.residual = volume > 0 ? error / volume : 0;
-  const bool density = report_.residual <= options_.tolerance && worst <= kWorst;
-  if (bodies_.empty()) return density;
+  volume_ = left.volume;
+  report_.residual = volume_ > 0 ? left.sum / volume_ : 0;
+  const bool density = report_.residual <= options_.tolerance && left.worst <= kWorst;
+  if (!with_bodies) return density;
   foresee(x);
-  find_correction(gradient);
+  find_correction();
   for (std::size_t b = 0; b < foreseen_.size(); ++b) foreseen_[b] -= bodies_.motion(b, gained_[b]) / dt_;
   history_.push_back(foreseen_);
   if (history_.size() > options_.body_products + 1) history_.pop_front();
@@ -278,12 +293,8 @@ void ImplicitPressure::foresee(std::span<const float> x) {
 /// While a solve is under way a light body's acceleration swings by several g: the smallest error of the force on it
 /// moves it. What it settles to shows much sooner: with g the gradient, c = U^T D^-1 g and T = 1 + U^T D^-1 U the
 /// correction x -= D^-1 U T^-2 c moves the bodies to where the fluid beside them would have them, and hardly moves
-/// heavy ones. Finds T^-2 c, and what it takes from U^T x: T^-1 c - T^-2 c.
-void ImplicitPressure::find_correction(std::span<const float> gradient) {
-  scaled_.resize(gradient.size());
-  for_blocks(gradient.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) scaled_[f] = gradient[f] / diagonal_[f];
-  });
+/// heavy ones. Finds T^-2 c, and what it takes from U^T x: T^-1 c - T^-2 c, with D^-1 g in `scaled_`.
+void ImplicitPressure::find_correction() {
   bodies_.reduce(scaled_, gained_);
   bodies_.solve(gained_);
   correction_ = gained_;

@@ -83,7 +83,7 @@ class ImplicitPressure : private QuadraticProgram {
   void estimate_norm();
   double slowest_wave(const Particles& particles) const;
   void foresee(std::span<const float> x);
-  void find_correction(std::span<const float> gradient);
+  void find_correction();
   double allowed(std::size_t body) const;
   bool correct_bodies();
 

@@ -10,13 +10,15 @@ namespace ballast::fluid {
 
 namespace {
 
-double dot(std::span<const float> a, std::span<const float> b, int threads) {
-  return sum_blocks<1>(a.size(), threads, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += static_cast<double>(a[i]) * b[i];
-    return std::array<double, 1>{sum};
-  })[0];
-}
+/// Of a direction d with product A d: d.A d, gradient.d, and the longest step along it that no bound cuts off.
+struct Course {
+  double curvature = 0, slope = 0, feasible = std::numeric_limits<double>::infinity();
+  void add(const Course& other) {
+    curvature += other.curvature;
+    slope += other.slope;
+    feasible = std::min(feasible, other.feasible);
+  }
+};
 
 }  // namespace
 
@@ -47,71 +49,81 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
       continue;
     }
     if (report_.products >= most_products) break;
-    // Clamped entries that want to grow against what the free ones can still gain within their bounds, both in the
-    // metric of the diagonal.
-    const double longest = 1.9 / norm_;
-    const auto [clamped, slack] = sum_blocks<2>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      double c = 0, f = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const double g = projected_[i], d = diagonal_[i];
-        if (free(i))
-          f += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
-        else
-          c += g * g / d;
-      }
-      return std::array<double, 2>{c, f};
-    });
-    release_ = clamped > std::max(slack, 0.0);
     report_.proportionings += release_;
     if (!step()) break;  // nothing left to gain in this precision
   }
   return report_;
 }
 
+/// Clamped entries take part in the next step if what they want to grow outweighs what the free ones can still gain
+/// within their bounds, both in the metric of the diagonal.
 void Mprgp::split() {
   const std::vector<float>& x = *x_;
-  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) projected_[i] = free(i) ? gradient_[i] : std::min(gradient_[i], 0.f);
+  const double longest = 1.9 / norm_;
+  const auto [clamped, slack] = sum_blocks<2>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    double c = 0, f = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool is_free = free(i);
+      projected_[i] = is_free ? gradient_[i] : std::min(gradient_[i], 0.f);
+      const double g = projected_[i], d = diagonal_[i];
+      if (is_free)
+        f += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
+      else
+        c += g * g / d;
+    }
+    return std::array<double, 2>{c, f};
   });
+  release_ = clamped > std::max(slack, 0.0);
 }
 
-void Mprgp::restart() {
-  const std::vector<float>& x = *x_;
-  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+/// The direction of the next step: down the gradient of what moves, conjugate to the last one if its product is there.
+void Mprgp::redirect() {
+  const std::size_t n = x_->size();
+  for_blocks(n, threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) trial_[i] = moves(i) ? gradient_[i] : 0.f;
   });
   program_->precondition(trial_, preconditioned_);
-  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
+  const auto [along] = sum_blocks<1>(n, threads_, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
+      sum += static_cast<double>(preconditioned_[i]) * product_[i];
+    }
+    return std::array<double, 1>{sum};
+  });
+  if (fresh_) {
+    direction_ = preconditioned_;
+    return;
+  }
+  const float keep = static_cast<float>(along / curvature_);
+  for_blocks(n, threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) direction_[i] = preconditioned_[i] - keep * direction_[i];
   });
 }
 
 bool Mprgp::step() {
   const std::vector<float>& x = *x_;
-  restart();
-  if (fresh_) {
-    direction_ = preconditioned_;
-    fresh_ = false;
-  } else {  // conjugate to the last direction, whose product is still there
-    const double beta = dot(preconditioned_, product_, threads_) / dot(direction_, product_, threads_);
-    const float keep = static_cast<float>(beta);
-    for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) direction_[i] = preconditioned_[i] - keep * direction_[i];
-    });
-  }
+  redirect();
+  const bool down = fresh_;
+  fresh_ = false;
   product(direction_, product_);
-  const double curvature = dot(direction_, product_, threads_), slope = dot(gradient_, direction_, threads_);
-  if (!(curvature > 0) || !(slope > 0)) {
-    const bool was_fresh = report_.products > 1 && direction_ == preconditioned_;
+  const Course course = fold_blocks<Course>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    Course part;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double d = direction_[i];
+      part.curvature += d * product_[i];
+      part.slope += d * gradient_[i];
+      if (d > 0 && bounded_[i]) part.feasible = std::min(part.feasible, x[i] / d);
+    }
+    return part;
+  });
+  if (!(course.curvature > 0) || !(course.slope > 0)) {
     fresh_ = true;
-    return !was_fresh;
+    return !down;  // nothing is gained down the gradient either
   }
-  const double alpha = slope / curvature;
-  double feasible = std::numeric_limits<double>::infinity();
-#pragma omp parallel for num_threads(threads_) schedule(static) reduction(min : feasible) if (x.size() > kSerial)
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (direction_[i] > 0 && bounded_[i]) feasible = std::min(feasible, static_cast<double>(x[i]) / direction_[i]);
-  if (alpha <= feasible) {
+  curvature_ = course.curvature;
+  const double alpha = course.slope / course.curvature;
+  if (alpha <= course.feasible) {
     subtract(alpha);
     return true;
   }
@@ -127,7 +139,7 @@ bool Mprgp::step() {
     subtract(alpha);
     stale_ = true;
   } else {
-    expand(alpha, feasible);
+    expand(alpha, course.feasible);
   }
   return true;
 }

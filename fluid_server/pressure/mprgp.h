@@ -50,9 +50,9 @@ class Mprgp {
   bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
   bool moves(std::size_t i) const { return free(i) || (release_ && gradient_[i] < 0); }
   float clamp(std::size_t i, float value) const { return bounded_[i] ? std::max(value, 0.f) : value; }
-  void split();  ///< gradient_ -> projected_
-  void restart();
-  bool step();  ///< conjugate gradients, or expansion
+  void split();     ///< gradient_ -> projected_, release_
+  void redirect();  ///< direction_
+  bool step();      ///< conjugate gradients, or expansion
   void expand(double alpha, double feasible);
   void subtract(double alpha);  ///< x -= alpha direction, gradient -= alpha A direction
   void new_gradient();          ///< from scratch: no rounding of many updates stays
@@ -63,6 +63,7 @@ class Mprgp {
   std::span<const std::uint8_t> bounded_;
   std::vector<float>* x_ = nullptr;
   double norm_ = 0;
+  double curvature_ = 0;  // direction . A direction of the last step
   int threads_ = 1;
   bool fresh_ = true;     // the direction is to start anew
   bool release_ = false;  // clamped entries that want to grow take part in the step
