@@ -21,17 +21,20 @@ struct CylinderMass {
       : volume(kPi * r * r * l), axial(0.5 * volume * r * r), across(volume * (3 * r * r + l * l) / 12) {}
 };
 
-// Cells along the radius: the whole of it, only the wall of a room, or room and wall. Of more than a spacing there are
-// two at least: one alone would lie so deep that the fluid hardly feels it.
-std::vector<Cell> solid_radius(double radius, double spacing) {
-  constexpr double kMoreThanOne = 1.6;  // rounds to two
-  const double pitch = radius > spacing ? std::min(spacing, radius / kMoreThanOne) : spacing;
+// Cells along the radius, about `pitch` wide.
+std::vector<Cell> radius_cells(double radius, double pitch) {
   std::vector<Cell> cells = solid_cells(0, radius, pitch);
   for (Cell& c : cells) c.outer = radius - (c.centre + 0.5 * c.width);
   return cells;
 }
+// Of a solid. Of more than a spacing there are two at least: one alone would lie so deep that the fluid hardly feels
+// it.
+std::vector<Cell> solid_radius(double radius, double spacing) {
+  return radius_cells(radius, radius > spacing ? std::min(spacing, radius / 2) : spacing);
+}
+// Of a room and its wall.
 std::vector<Cell> room_radius(double radius, double wall, double spacing) {
-  std::vector<Cell> cells = solid_radius(radius, spacing);
+  std::vector<Cell> cells = radius_cells(radius, spacing);
   for (Cell& c : cells) c.room = -1, c.outer += wall;
   const double pitch = wall / cell_count(wall, spacing);
   for (double at = radius; at < radius + wall - 0.5 * pitch; at += pitch) {

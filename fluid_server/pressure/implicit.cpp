@@ -24,12 +24,12 @@ constexpr float kSpray = 0.5f;    // fullness of what is spray
 constexpr float kWorst = 1e-2f;   // density error that a step may leave in any particle
 constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
-/// What a gradient leaves of the density: its sum, m^3, the largest as a share of a particle's volume, the whole
-/// volume.
-struct Left {
+/// The error of the density that a gradient stands for: its sum and the whole volume, m^3, and the largest as a share
+/// of a particle's volume.
+struct DensityError {
   double sum = 0, volume = 0;
   float worst = 0;
-  void add(const Left& other) {
+  void add(const DensityError& other) {
     sum += other.sum;
     volume += other.volume;
     worst = std::max(worst, other.worst);
@@ -249,20 +249,21 @@ void ImplicitPressure::precondition(std::span<const float> r, std::vector<float>
 bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gradient) {
   const bool with_bodies = !bodies_.empty();
   if (with_bodies) scaled_.resize(gradient.size());
-  const Left left = fold_blocks<Left>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    Left part;
-    for (std::size_t f = begin; f < end; ++f) {
-      const float size = std::abs(gradient[f]);
-      part.worst = std::max(part.worst, size / particles_->record[f].volume);
-      part.sum += size;
-      part.volume += particles_->record[f].volume;
-      if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
-    }
-    return part;
-  });
-  volume_ = left.volume;
-  report_.residual = volume_ > 0 ? left.sum / volume_ : 0;
-  const bool density = report_.residual <= options_.tolerance && left.worst <= kWorst;
+  const DensityError found =
+      fold_blocks<DensityError>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+        DensityError part;
+        for (std::size_t f = begin; f < end; ++f) {
+          const float size = std::abs(gradient[f]);
+          part.worst = std::max(part.worst, size / particles_->record[f].volume);
+          part.sum += size;
+          part.volume += particles_->record[f].volume;
+          if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
+        }
+        return part;
+      });
+  volume_ = found.volume;
+  report_.residual = volume_ > 0 ? found.sum / volume_ : 0;
+  const bool density = report_.residual <= options_.tolerance && found.worst <= kWorst;
   if (!with_bodies) return density;
   foresee(x);
   find_correction();

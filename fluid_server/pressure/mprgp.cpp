@@ -55,8 +55,8 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   return report_;
 }
 
-/// Clamped entries take part in the next step if what they want to grow outweighs what the free ones can still gain
-/// within their bounds, both in the metric of the diagonal.
+/// The gradient as far as x may follow it. Clamped entries take part in the next step if what they want to grow
+/// outweighs what the free ones can still gain within their bounds, both in the metric of the diagonal.
 void Mprgp::split() {
   const std::vector<float>& x = *x_;
   const double longest = 1.9 / norm_;
@@ -76,7 +76,8 @@ void Mprgp::split() {
   release_ = clamped > std::max(slack, 0.0);
 }
 
-/// The direction of the next step: down the gradient of what moves, conjugate to the last one if its product is there.
+/// The direction of the next step: down the gradient of what moves, and conjugate to the last one unless it starts
+/// anew.
 void Mprgp::redirect() {
   const std::size_t n = x_->size();
   for_blocks(n, threads_, [&](std::size_t begin, std::size_t end) {

@@ -82,15 +82,16 @@ TEST(Samples, LieOnLayersHalfAPitchInside) {
 }
 
 // Whatever their radius: a sphere with one layer of samples, three quarters of a spacing deep, sank a third too fast.
-TEST(Samples, OfRoundSolidsBeginHalfASpacingDeep) {
+// Two layers in little more than a spacing begin a quarter of one deep, two in almost two and a half 0.62.
+TEST(Samples, OfRoundSolidsBeginAboutHalfASpacingDeep) {
   for (double r = 0.7; r < 4; r += 0.01) {
     for (const Sampled& c : std::vector<Sampled>{{"disc", sphere(r), 2},
                                                  {"sphere", sphere(r), 3},
-                                                 {"cylinder", cylinder(r, 6), 3},
-                                                 {"capsule", capsule(r, 6), 3}}) {
+                                                 {"cylinder", cylinder(r, 10), 3},
+                                                 {"capsule", capsule(r, 10), 3}}) {
       double nearest = 1e300;
       for (const SurfaceSample& sample : solid(c.shape, c.dimension, 1).samples(1, 10, kEverywhere))
-        nearest = std::min(nearest, sample.depth);
+        if (std::abs(sample.position.z()) < 4) nearest = std::min(nearest, sample.depth);  // not at the cylinder's ends
       EXPECT_GT(nearest, 0.24) << c.name << " of radius " << r;
       EXPECT_LT(nearest, 0.63) << c.name << " of radius " << r;
     }
