@@ -7,7 +7,7 @@ from trials import cubic, damped, less_diffusion, nearby, no_shifting, shifting,
 FINDINGS = {
     "F1": Finding(
         why="implicit, at fine spacings: noise of the pressure from place to place, of particles that have left their lattice, and of the speeds that it keeps up. Five times the artificial viscosity takes {implicit/0.025} to {implicit/0.025+damped} at 2.5 cm and {implicit/0.0125} to {implicit/0.0125+damped} at 1.25 cm, "
-        "shorter steps with a stricter solve to {implicit/0.0125+strict}; the largest speed at the end goes from {implicit/0.0125|3} to {implicit/0.0125+damped|3} and {implicit/0.0125+strict|3}.",
+        "the largest speed at the end from {implicit/0.0125|3} to {implicit/0.0125+damped|3}. Shorter steps with a stricter solve quieten the water as well ({implicit/0.0125+strict|3}), but not the pressure ({implicit/0.0125+strict}): the noise is of how the particles lie, not of their speeds alone.",
         order_why="implicit: as above. Explicit: {wcsph/0.025} and {wcsph/0.0125} from 2.5 cm on; what is left was not looked into.",
         trials=(
             strict("implicit/0.0125"),
