@@ -3,7 +3,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
+#include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +23,21 @@ std::string last_lines(const std::string& file, std::size_t bytes) {
   return text.size() > bytes ? text.substr(text.size() - bytes) : text;
 }
 
+constexpr int kCannotStart = 127;
+
+/// In the child, between fork and exec: it ends with its parent, however that ends, instead of drawing for nobody.
+[[noreturn]] void become_povray(pid_t parent, const char* log, char** argv) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const int in = open("/dev/null", O_RDONLY), out = open(log, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (getppid() == parent && in >= 0 && out >= 0) {
+    dup2(in, STDIN_FILENO);
+    dup2(out, STDOUT_FILENO);
+    dup2(out, STDERR_FILENO);
+    execvp("povray", argv);
+  }
+  _exit(kCannotStart);
+}
+
 }  // namespace
 
 Status run_povray(const std::string& pov, const std::string& png, int threads) {
@@ -32,21 +48,17 @@ Status run_povray(const std::string& pov, const std::string& png, int threads) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  pid_t pid = 0;
-  const int failed = posix_spawnp(&pid, "povray", &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    std::remove(log.c_str());
-    return Error{fmt::format("no picture: the program povray cannot be started ({})", std::strerror(failed)),
-                 "install it: apt-get install povray", ""};
-  }
+  const pid_t parent = getpid(), pid = fork();
+  if (pid == 0) become_povray(parent, log.c_str(), argv.data());
+  const int failed = pid < 0 ? errno : 0;
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  while (pid > 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (failed != 0 || (WIFEXITED(status) && WEXITSTATUS(status) == kCannotStart)) {
+    std::remove(log.c_str());
+    return Error{fmt::format("no picture: the program povray cannot be started ({})",
+                             std::strerror(failed != 0 ? failed : ENOENT)),
+                 "install it: apt-get install povray", ""};
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || std::rename(part.c_str(), png.c_str()) != 0) {
     Error error{"no picture: povray failed: " + last_lines(log, 600), "the scene it was given is " + pov, ""};

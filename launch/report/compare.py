@@ -14,7 +14,9 @@ SHORT = 0.3  # s; shorter runs say nothing about speed
 def load(path: Path) -> dict:
     path = path / "results.json" if path.is_dir() else path
     if not path.is_file():
-        raise Refused(f"--against: there is no {path}; give results.json of another report, or its folder")
+        part = path.with_name("results_part.json")
+        cure = f"there is {part}, of a choice of cases: give that" if part.is_file() else "give results.json of another report, or its folder"
+        raise Refused(f"--against: there is no {path}; {cure}")
     return json.loads(path.read_text())
 
 

@@ -140,7 +140,9 @@ def _run(place: Place, job: Job, folder: Path, limit: float, picture: bool) -> t
     words = [str(place.build / "bin" / PROGRAMS[0]), *command(job), "--quiet", "--out", str(folder)]
     words += ["--picture"] if picture else []
     with (folder / "log.txt").open("w") as log:
-        process = subprocess.Popen(words, cwd=place.tree, stdout=log, stderr=subprocess.STDOUT, text=True)
+        # In a group of its own: a Ctrl-C of the terminal comes to the report alone, which hands it on once. A second one would
+        # kill the run, which may be drawing.
+        process = subprocess.Popen(words, cwd=place.tree, stdout=log, stderr=subprocess.STDOUT, text=True, process_group=0)
         try:
             code = process.wait(limit)
         except subprocess.TimeoutExpired:

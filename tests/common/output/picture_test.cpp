@@ -2,15 +2,40 @@
 #include "common/output/picture.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
+
+#include "common/output/povray.h"
 
 namespace ballast::output {
 namespace {
+
+/// True as soon as `holds` does, within ten seconds.
+template <class Condition>
+bool soon(Condition&& holds) {
+  for (int tries = 0; tries < 1000; ++tries) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+/// Letter of its state in /proc, Z for one that has ended and that nobody has waited for; 0 if there is none.
+char state_of(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string number, name;
+  char letter = 0;
+  stat >> number >> name >> letter;
+  return letter;
+}
 
 struct Picture : ::testing::Test {
   std::string folder =
@@ -79,6 +104,27 @@ TEST_F(Picture, WithoutPovraySaysWhatToInstall) {
   setenv("PATH", path.c_str(), 1);
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().cure.find("apt-get install povray"), std::string::npos);
+}
+
+// Killed while it draws, as by a second Ctrl-C: povray would go on for nobody, beside whatever comes next.
+TEST_F(Picture, EndsWithWhoeverAskedForIt) {
+  const std::string pid_file = folder + "/pid";
+  std::ofstream(folder + "/povray") << "#!/bin/sh\necho $$ >" << pid_file << ".part\nmv " << pid_file << ".part "
+                                    << pid_file << "\nexec sleep 60\n";
+  std::filesystem::permissions(folder + "/povray", std::filesystem::perms::owner_all);
+  const pid_t asking = fork();
+  if (asking == 0) {
+    setenv("PATH", (folder + ":" + std::getenv("PATH")).c_str(), 1);
+    _exit(run_povray(folder + "/picture.pov", folder + "/picture.png", 1) ? 0 : 1);
+  }
+  ASSERT_TRUE(soon([&] { return std::filesystem::exists(pid_file); }));
+  pid_t drawing = 0;
+  std::ifstream(pid_file) >> drawing;
+  EXPECT_EQ(kill(drawing, 0), 0);
+  kill(asking, SIGKILL);
+  waitpid(asking, nullptr, 0);
+  EXPECT_TRUE(soon([&] { return state_of(drawing) == 0 || state_of(drawing) == 'Z'; }));
+  if (drawing > 0) kill(drawing, SIGKILL);
 }
 
 }  // namespace
