@@ -23,10 +23,9 @@ std::string last_lines(const std::string& file, std::size_t bytes) {
   return text.size() > bytes ? text.substr(text.size() - bytes) : text;
 }
 
-constexpr int kCannotStart = 127;
-
-/// In the child, between fork and exec: it ends with its parent, however that ends, instead of drawing for nobody.
-[[noreturn]] void become_povray(pid_t parent, const char* log, char** argv) {
+/// In the child, between fork and exec: it ends with its parent, however that ends, instead of drawing for nobody. Why
+/// it cannot start goes into `report`.
+[[noreturn]] void become_povray(pid_t parent, const char* log, char** argv, int report) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int in = open("/dev/null", O_RDONLY), out = open(log, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (getppid() == parent && in >= 0 && out >= 0) {
@@ -35,7 +34,9 @@ constexpr int kCannotStart = 127;
     dup2(out, STDERR_FILENO);
     execvp("povray", argv);
   }
-  _exit(kCannotStart);
+  const int reason = errno;
+  [[maybe_unused]] const ssize_t written = write(report, &reason, sizeof reason);
+  _exit(127);
 }
 
 }  // namespace
@@ -48,16 +49,18 @@ Status run_povray(const std::string& pov, const std::string& png, int threads) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  const pid_t parent = getpid(), pid = fork();
-  if (pid == 0) become_povray(parent, log.c_str(), argv.data());
-  const int failed = pid < 0 ? errno : 0;
-  int status = 0;
+  int report[2] = {-1, -1}, failed = 0, status = 0;
+  const pid_t parent = getpid(), pid = pipe2(report, O_CLOEXEC) == 0 ? fork() : -1;
+  if (pid == 0) become_povray(parent, log.c_str(), argv.data(), report[1]);
+  if (pid < 0) failed = errno;
+  close(report[1]);
+  if (pid > 0 && read(report[0], &failed, sizeof failed) < 0) failed = errno;  // nothing comes once it has started
+  close(report[0]);
   while (pid > 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
-  if (failed != 0 || (WIFEXITED(status) && WEXITSTATUS(status) == kCannotStart)) {
+  if (failed != 0) {
     std::remove(log.c_str());
-    return Error{fmt::format("no picture: the program povray cannot be started ({})",
-                             std::strerror(failed != 0 ? failed : ENOENT)),
+    return Error{fmt::format("no picture: the program povray cannot be started ({})", std::strerror(failed)),
                  "install it: apt-get install povray", ""};
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || std::rename(part.c_str(), png.c_str()) != 0) {

@@ -39,6 +39,7 @@ ABOUT = (
 SOURCE = "R.B. Canelas et al., Comput. Phys. Commun. 202 (2016) 131-140, digitised; nothing below 0.01 m is meaningful"
 LEVELS = (("coarse", 0.05), ("10s", 0.0375), ("1min", 0.03), ("10min", 0.02))
 ONE = "dambreak_one_cube_canelas_2016_exp_x.csv"
+COLUMN = ("low", "middle", "top")  # its cubes
 THREE = "dambreak_three_stacked_cubes_canelas_2016_exp_{}.csv"
 
 
@@ -57,12 +58,17 @@ def still(column: str, start: float):
     return lambda run: float(np.max(np.abs(run.values(column, 0, LIFT) - start)))
 
 
+def friction(mu: float, cubes: tuple[str, ...]) -> dict[str, str]:
+    """The same of the cubes and the flume."""
+    return {f"models.{m}.friction": f"{mu:g}" for m in (*cubes, "flume")}
+
+
 def rubbing(cubes: tuple[str, ...]) -> tuple[Variant, ...]:
     """Friction of the cubes and the flume. The one that is judged comes first."""
     return tuple(
         Variant(
             f"mu{mu:g}",
-            {f"models.{m}.friction": f"{mu:g}" for m in (*cubes, "flume")},
+            friction(mu, cubes),
             {"friction": mu},
             without=() if mu == 0.3 else (0.0375,),
         )
@@ -141,7 +147,7 @@ THREE_CUBES = Case(
         LOST,
         Measure("top cube ahead of the measured one from 1.2 s on", "m", ahead),
     ),
-    variants=rubbing(("low", "middle", "top")),
+    variants=rubbing(COLUMN),
     shown=(0,),
     chart=tracked("top.x", "x of the top cube (m)", THREE.format("x"), "x_m"),
     second_chart=tracked("top.z", "z of the top cube (m)", THREE.format("z"), "z_m"),

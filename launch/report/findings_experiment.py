@@ -1,6 +1,7 @@
 """What was found out about experiments: why runs miss them."""
 
 from case import Finding, Trial
+from cases_experiment import COLUMN, friction
 from trials import cubic, damped, less_diffusion, nearby, no_shifting, shifting, short_steps, strict
 
 # X3 in a plane over the whole width: where its wave goes at spacings that 3-D cannot afford.
@@ -24,12 +25,12 @@ def gate_lifted(delay_ms: str) -> Trial:
     return Trial(f"gate-{delay_ms}ms", f"the gate lifted {delay_ms} ms later", runs, lifted(delay_ms))
 
 
-def rubbing(friction: str, *runs: str, gate_ms: str = "") -> Trial:
-    """X1b's cubes, with the same friction on the bed as between them."""
-    changed = {f"models.{cube}.friction": friction for cube in ("low", "middle", "top")} | {"models.flume.friction": friction}
+def rubbing(mu: float, *runs: str, gate_ms: str = "") -> Trial:
+    """X1b with another friction."""
+    changed = friction(mu, COLUMN)
     if not gate_ms:
-        return Trial(f"friction-{friction}", f"friction {friction}", runs, changed)
-    return Trial(f"friction-{friction}-gate-{gate_ms}ms", f"friction {friction}, the gate lifted {gate_ms} ms later", runs, changed | lifted(gate_ms))
+        return Trial(f"friction-{mu:g}", f"friction {mu:g}", runs, changed)
+    return Trial(f"friction-{mu:g}-gate-{gate_ms}ms", f"friction {mu:g}, the gate lifted {gate_ms} ms later", runs, changed | lifted(gate_ms))
 
 
 def slower_gate(speed: str, stop: str, runs: tuple[str, ...]) -> Trial:
@@ -52,9 +53,9 @@ FINDINGS = {
         trials=(
             *(gate_lifted(delay) for delay in ("0.5", "1", "1.5", "2")),
             nearby("mu0.3/implicit/0.03"),
-            rubbing("0.25", "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03"),
-            rubbing("0.2", "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03"),
-            *(rubbing("0.2", "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03", gate_ms=delay) for delay in ("0.5", "1", "1.5", "2")),
+            rubbing(0.25, "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03"),
+            rubbing(0.2, "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03"),
+            *(rubbing(0.2, "mu0.3/implicit/0.03", "mu0.3/wcsph/0.03", gate_ms=delay) for delay in ("0.5", "1", "1.5", "2")),
         ),
     ),
     "X2b": Finding(
