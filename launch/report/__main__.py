@@ -24,6 +24,7 @@ import page
 from case import LEVELS, METHODS, Case, Job, Refused, jobs_of, with_those_beside
 from cases import ALL
 from judge import judge, mark, number_of
+from references import where_looked
 from runs import EXPECTED, Place, build_hash, draw_start, finished, key_of, make, write_whole
 from shown import measured
 
@@ -209,10 +210,12 @@ def carry_out(
         disable=not sys.stderr.isatty(),
         bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left {postfix}",
     ) as bar:
+        made = 0
         for job in jobs:
             note = notes[job.id]
             if note is None:
-                bar.set_postfix_str(job.id)
+                made += 1
+                bar.set_postfix_str(f"(run {made} of {len(to_make)}: {job.id})")
                 note = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
                 bar.update(EXPECTED[job.level] * chosen.repeats)
             if job.id in with_picture and not (place.run_folder(job) / "start.png").is_file():
@@ -244,10 +247,6 @@ def results_of(rows: list[dict], trials: list[dict], chosen: argparse.Namespace,
         "rows": rows,
         "trials": trials,
     }
-
-
-def say_stopped(more: str = "") -> None:
-    print(f"ballast report: stopped; finished runs are kept, the same command goes on{more}", file=sys.stderr)
 
 
 @contextlib.contextmanager
@@ -305,7 +304,8 @@ def main() -> int:
         if stopped:  # results and page of all cases stay
             results["stopped"] = f"stopped after {made} of {len(jobs)} runs"
             write_results(place, results, "_part")
-            say_stopped(f"; {results['stopped']}: {place.out / 'results_part.json'} and .csv")
+            where = place.out / "results_part.json"
+            print(f"ballast report: {results['stopped']}; they are kept, the same command goes on; {where} and .csv", file=sys.stderr)
             return 5
         changes = compare.changes(old, results, str(chosen.against)) if old else None
         part = "_part" if chosen.cases or chosen.methods else ""  # the page of all cases stays
@@ -313,9 +313,10 @@ def main() -> int:
         path = page.write(place, cases, results, references, changes, part)
     counts = page.tally(rows)
     failed = sum(r["status"] != "finished" for r in rows)
+    absent = counts["reference not installed"]
     print(
         f"{made} runs{f', {len(trials)} of them trials' if trials else ''}, {failed} not finished; {counts['met']} figures met, {counts['missed']} missed, "
-        f"{counts['reference not installed']} without reference\n{path}"
+        f"{absent} without reference{f' ({where_looked(references)})' if absent else ''}\n{path}"
     )
     if changes:
         print(compare.in_words(changes))
@@ -333,5 +334,5 @@ if __name__ == "__main__":
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(5)
     except KeyboardInterrupt:
-        say_stopped()
+        print("ballast report: stopped; the same command goes on", file=sys.stderr)
         sys.exit(5)

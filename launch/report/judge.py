@@ -53,7 +53,7 @@ def judge(place: Place, job: Job, note: dict, references: list[Path]) -> dict:
         except NoFigure as why:
             remark = str(why)
         except ReferenceMissing as why:
-            remark, verdict = str(why), ABSENT
+            remark, verdict = f"{why} is not installed", ABSENT
         entry = {"name": measure.name, "unit": measure.unit, "value": value, "target": target, "note": remark}
         targets = measure.targets_of(job.variant)
         entry["scale"] = targets[0] if targets else None  # what errors of different cases are compared in

@@ -13,7 +13,7 @@ from charts import COLOURS, DASHES, MARKS, Line, Plot, draw, thumbnail
 from judge import headline, met_by_level, points_of, times_to_targets, too_slow
 from left_out import LEFT_OUT
 from metrics import pareto_front, time_to_reach
-from references import ReferenceMissing
+from references import ReferenceMissing, where_looked
 from runs import Place, write_whole
 from shown import figure, measured, seconds, speed
 from stability import ELSEWHERE
@@ -93,7 +93,7 @@ def error_chart(case: Case, rows: list[dict], index: int = 0) -> dict | None:
 
 
 def reference_chart(case: Case, number_of_chart: int, rows: list[dict], references: list[Path]) -> tuple[str, str]:
-    """Runs at the finest resolution of every method over the reference; and why there is no reference, if so."""
+    """Runs at the finest resolution of every method over the reference; and the name of its table, if that is missing."""
     chart = case.charts[number_of_chart]
     plot = Plot(chart.x, chart.y, log_x=chart.log_x)
     missing = ""
@@ -111,8 +111,8 @@ def reference_chart(case: Case, number_of_chart: int, rows: list[dict], referenc
                 plot.lines.append(
                     Line(chart.reference_name if number == 0 else "", list(map(float, x)), list(map(float, y)), style)
                 )
-        except ReferenceMissing as why:
-            missing = str(why)
+        except ReferenceMissing as name:
+            missing = str(name)
     for method in dict.fromkeys(r["method"] for r, _ in with_curve):
         mine = [(r, curve) for r, curve in with_curve if r["method"] == method]
         finest = min(r["h"] for r, _ in mine)
@@ -167,7 +167,7 @@ def case_section(place: Place, case: Case, rows: list[dict], trials: list[dict],
         "low_order": any(is_low(r.get("order")) for r in rows),
         "error_charts": [c for c in (error_chart(case, rows, i) for i in judged) if c],
         "reference_charts": [image for image, _ in charts if image],
-        "missing": "; ".join(dict.fromkeys(why for _, why in charts if why)),
+        "missing": ", ".join(dict.fromkeys(name for _, name in charts if name)),
         "start": next((t for t in (thumbnail(f / "start.png") for f in folders) if t), ""),
         "picture": next((t for t in (thumbnail(f / "picture.png") for f in folders) if t), ""),
         "times": [table for i in judged for table in times_to_targets(case, rows, i)],
@@ -289,6 +289,7 @@ def write(
         left_out=LEFT_OUT,
         trust=trust.table(cases, rows),
         tally=tally(rows),
+        where_looked=where_looked(references),
         staggered=tally([r for r in rows if r["method"] == "staggered"])["missed"],
         levels=met_by_level(cases, rows),
         too_slow=too_slow(rows),

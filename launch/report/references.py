@@ -9,7 +9,7 @@ Array = np.ndarray
 
 
 class ReferenceMissing(Exception):
-    """A table that may not be carried along is not in any of the folders."""
+    """A table that may not be carried along is not in any of the folders: its name."""
 
 
 def read_table(name: str, folders: list[Path]) -> dict[str, Array]:
@@ -19,9 +19,11 @@ def read_table(name: str, folders: list[Path]) -> dict[str, Array]:
             lines = [x for x in (folder / name).read_text().splitlines() if x and not x.startswith("#")]
             values = np.array([[float(v) for v in line.split(",")] for line in lines[1:]])
             return dict(zip(lines[0].split(","), values.T))
-    raise ReferenceMissing(
-        f"{name} is in none of {', '.join(str(f) for f in folders)}; give its folder with --references"
-    )
+    raise ReferenceMissing(name)
+
+
+def where_looked(folders: list[Path]) -> str:
+    return f"looked for in {' and '.join(str(f) for f in folders)}; give their folder with --references"
 
 
 def elliptic_k(modulus: float) -> float:

@@ -188,8 +188,9 @@ class Tables(unittest.TestCase):
             np.testing.assert_array_equal(table["x_m"], [1, 2])
 
     def test_a_table_that_is_not_there_is_said_to_be_missing(self):
-        with self.assertRaises(references.ReferenceMissing):
+        with self.assertRaisesRegex(references.ReferenceMissing, "^none.csv$"):
             references.read_table("none.csv", [Path("nowhere")])
+        self.assertIn("looked for in nowhere and here; ", references.where_looked([Path("nowhere"), Path("here")]))
 
 
 if __name__ == "__main__":
