@@ -232,7 +232,7 @@ CHANNEL = Case(
     resolutions=(("coarse", 0.1), ("coarse", 0.0625), ("10s", 0.03125), ("1min", 0.015625)),
     measures=(
         Measure("speed, rms over the largest", "%", channel_error, (0.01, 0.003, 0.001)),
-        Measure("what the order since 1/16 lacks of 1.5", "", order_lacking, (0.0,)),
+        Measure("order lacking since 1/16 (1.5 asked)", "", order_lacking, (0.0,)),
     ),
     beside=lambda job: (job.variant, COARSE_CHANNEL),
     variants=(
