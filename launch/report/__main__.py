@@ -208,14 +208,14 @@ def carry_out(
     with tqdm(
         total=sum(EXPECTED[job.level] * chosen.repeats for job in to_make),
         disable=not sys.stderr.isatty(),
-        bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left {postfix}",
+        bar_format="{l_bar}{bar}| {elapsed}, about {remaining} left{postfix}",
     ) as bar:
         made = 0
         for job in jobs:
             note = notes[job.id]
             if note is None:
                 made += 1
-                bar.set_postfix_str(f"(run {made} of {len(to_make)}: {job.id})")
+                bar.set_postfix_str(f"run {made} of {len(to_make)}: {job.id}")
                 note = make(place, job, keys[job.id], chosen.repeats, job.id in with_picture)
                 bar.update(EXPECTED[job.level] * chosen.repeats)
             if job.id in with_picture and not (place.run_folder(job) / "start.png").is_file():
