@@ -28,12 +28,9 @@ int main(int argc, char** argv) {
                 omp_get_num_procs());
     return ballast::kFine;
   }
-  // Idle threads of the OpenMP runtime spin for milliseconds by default and starve the rigid process of its core. The
-  // runtime reads this only when it is loaded, so a process started without it starts itself again.
-  if (!std::getenv("GOMP_SPINCOUNT")) {
-    setenv("GOMP_SPINCOUNT", "1000", 1);
-    execv("/proc/self/exe", argv);
-  }
+  // Threads that wait give way at once, and sleep after a millisecond: the cores are the rigid process's, too. The
+  // runtime (LLVM's) reads this when it is first used.
+  setenv("KMP_BLOCKTIME", "1", 0);
   ballast::exchange::end_with_coordinator("fluid_server");
   auto segment = ballast::exchange::Segment::attach(name, ballast::exchange::Role::kFluid);
   if (!segment) {

@@ -120,8 +120,7 @@ Command command_for(Role role, const std::string& segment, const Prepared& prepa
   const std::string folder = program_folder();
   if (role == Role::kRigid)
     return {folder + "/rigid_client", {"--attach", segment, "--engine", prepared.scene.coupling.engine}, {}, {}};
-  // Idle threads of the pool must not spin: they would starve the rigid process between the fluid's steps.
-  Command command{folder + "/fluid_server", {"--attach", segment}, {{"GOMP_SPINCOUNT", "1000"}}, {}};
+  Command command{folder + "/fluid_server", {"--attach", segment}, {}, {}};
   if (threads > 0) command.environment.emplace_back("OMP_NUM_THREADS", std::to_string(threads));
   return command;
 }

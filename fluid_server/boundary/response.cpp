@@ -71,7 +71,7 @@ void Response::collect(Neighbourhood& items, ItemExtras& extras, const std::vect
   if (constants.viscous) gather_viscous(items, extras, constants, viscous_);
   drag_.assign(constants.viscous ? sums.size() : 0, {1, Eigen::Vector3f::Zero()});
   resize_gently(wet_, sums.size());
-#pragma omp parallel for num_threads(threads_) schedule(static)
+#pragma omp parallel for num_threads(threads_) schedule(static, Lists::kChunk)
   for (std::size_t s = 0; s < sums.size(); ++s) {
     const SampleSums& sum = sums[s];
     const std::uint32_t item = items.sample_item[s], sample = items.source[item] & ~Neighbourhood::kSample;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 #include "fluid_server/neighbours/resize.h"
 
@@ -14,6 +13,7 @@ namespace ballast::fluid {
 namespace {
 
 constexpr std::uint32_t kLongestPause = 63;  // searches
+constexpr std::uint32_t kRowsAtATime = 4;    // that a thread takes: those with water lie low
 
 std::uint32_t whole_cells(double length, double size) {
   return static_cast<std::uint32_t>(std::clamp(std::floor(length / size), 1.0, 65535.0));
@@ -25,29 +25,6 @@ std::size_t block_begin(std::size_t size, int t, int n) {
 }
 
 }  // namespace
-
-void Lists::begin(std::uint32_t items) {
-  resize_gently(start, items);
-  resize_gently(count, items);
-  if (measure) resize_gently(good_until, items), resize_gently(group, items);
-  used.assign((items + kChunk - 1) / kChunk, 0);
-  buffer.resize(used.size());
-  moved = 0;
-}
-
-void Lists::end() {
-  constexpr std::size_t kSpare = 512;                          // the next list may turn out long
-  for (std::size_t chunk = 0; chunk < used.size(); ++chunk) {  // where more or other items were before
-    auto& lists = buffer[chunk];
-    if (lists.size() <= used[chunk] + used[chunk] / 2 + kSpare) continue;
-    lists.resize(used[chunk] + used[chunk] / 8 + kSpare);
-    lists.shrink_to_fit();
-  }
-  used_at_first = all_used();
-  valid = measure;
-}
-
-std::size_t Lists::all_used() const { return std::accumulate(used.begin(), used.end(), std::size_t{0}); }
 
 Neighbourhood::Neighbourhood(const Coordinates& coordinates, double support, int dimension, int threads)
     : coordinates_(coordinates), threads_(threads) {
@@ -161,7 +138,7 @@ bool Neighbourhood::keep_order(const Particles& before, Particles& after, std::s
       before.for_each_field([&](auto field) { (after.*field)[f] = (before.*field)[f]; });
       put(fluid_item[f], before.record[f], static_cast<std::uint32_t>(f));
     }
-#pragma omp for schedule(static) nowait
+#pragma omp for schedule(static, kRowsAtATime) nowait
     for (std::uint32_t row = 0; row < cells_.rows(); ++row)
       if (row_filled_[row]) put_static(row);
 #pragma omp for schedule(static)
@@ -210,7 +187,7 @@ void Neighbourhood::count_particles() {
 
 void Neighbourhood::total_rows() {
   const std::uint32_t nx = cells_.count[0], blocks_x = cells_.blocks_x();
-#pragma omp parallel for num_threads(threads_) schedule(static)
+#pragma omp parallel for num_threads(threads_) schedule(static, kRowsAtATime)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint32_t total = 0;
     row_fluid_[row] = 0;
@@ -238,7 +215,7 @@ void Neighbourhood::activate_rows() {
   const int blocks_x = static_cast<int>(cells_.blocks_x());
   // A last block of fewer than kFine cells is shorter than the support: on a periodic axis look one block further.
   const int reach = cells_.periodic[0] ? 2 : 1;
-#pragma omp parallel for num_threads(threads_) schedule(static)
+#pragma omp parallel for num_threads(threads_) schedule(static, kRowsAtATime)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     std::uint8_t* active = active_.data() + static_cast<std::size_t>(row) * cells_.blocks_x();
     std::memset(active, 0, cells_.blocks_x());
@@ -329,7 +306,7 @@ void Neighbourhood::place_rows() {
   fluid_item.resize(fluid);
   resize_gently(sample_item, all - fluid);
   const std::uint32_t nx = cells_.count[0];
-#pragma omp parallel for num_threads(threads_) schedule(static)
+#pragma omp parallel for num_threads(threads_) schedule(static, kRowsAtATime)
   for (std::uint32_t row = 0; row < cells_.rows(); ++row) {
     if (!row_filled_[row]) continue;
     std::uint32_t item = row_all_[row], particle = row_fluid_[row];

@@ -53,6 +53,9 @@ struct Lists {
   void end();
   std::size_t all_used() const;
 
+  /// What a sum over a list costs, in halves of a vector of eight.
+  double cost(std::uint32_t item) const { return count[item] == 0 ? 1 : 2 + 2 * ((count[item] + 7) / 8); }
+
   const std::uint32_t* of(std::uint32_t item) const { return buffer[item / kChunk].data() + start[item]; }
 };
 
@@ -96,12 +99,15 @@ class Neighbourhood {
   static constexpr std::uint32_t kTail = 64;
   std::vector<std::uint32_t> x, y, z;
   std::vector<Record> record;
-  std::vector<std::uint32_t> source;       ///< particle index, or kSample | sample index
-  std::vector<std::uint32_t> fluid_item;   ///< item of particle f
-  std::vector<std::uint32_t> sample_item;  ///< items that are samples
+  std::vector<std::uint32_t> source;                       ///< particle index, or kSample | sample index
+  std::vector<std::uint32_t> fluid_item;                   ///< item of particle f
+  std::vector<std::uint32_t> sample_item;                  ///< items that are samples
+  std::vector<std::uint32_t> fluid_shares, sample_shares;  ///< of these, for loops over their lists (shares.h)
   Lists lists;
   SearchCounts searches;
   bool may_keep = true;  ///< false: search in every step, to compare
+  /// Sets the shares, once all lists are there.
+  void share_out();
   /// Lists were kept in this step but for some that were made again.
   void count_kept(std::uint64_t made_again);
 

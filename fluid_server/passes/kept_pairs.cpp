@@ -52,7 +52,7 @@ void KeptPairs::make_room_for_values(const Neighbourhood& items, std::uint32_t l
 
 std::size_t KeptPairs::memory() const {
   return (slope.capacity() + value.capacity()) * sizeof(float) + sum.capacity() * sizeof(Sum) +
-         point.capacity() * sizeof(Point) +
+         point.capacity() * sizeof(Point) + active.capacity() * sizeof(Active) +
          (slopes_before.capacity() + values_before.capacity()) * sizeof(std::uint32_t);
 }
 

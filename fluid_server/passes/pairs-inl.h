@@ -103,13 +103,17 @@ class Pairs {
 
   /// Acceleration of a particle, m/s^2.
   HWY_INLINE void acceleration(std::uint32_t item, float* out) const {
+    constants_.viscous ? acceleration_of<true>(item, out) : acceleration_of<false>(item, out);
+  }
+  template <bool kViscous>
+  HWY_INLINE void acceleration_of(std::uint32_t item, float* out) const {
     const F d;
     const Record& own = items_.record[item];
     const float rho = density(item);
     const VF pi = hn::Set(d, own.p), rho_i = hn::Set(d, rho);
     VF ax = hn::Zero(d), ay = hn::Zero(d), az = hn::Zero(d);
     VF vx = hn::Zero(d), vy = hn::Zero(d), vz = hn::Zero(d);
-    const Evenings own_evening = evening_of<Dim>(constants_.viscous ? extras_.evening[item] : Evening{});
+    const Evenings own_evening = evening_of<Dim>(kViscous ? extras_.evening[item] : Evening{});
     for_each_neighbour(item, [&](const Pair& r, const Quad& motion, const std::uint32_t* index) HWY_ATTR {
       const VF vg = hn::Mul(hn::Abs(motion.d), r.slope);
       const VF pair_rho = constants_.several_densities ? pair_density(rho_i, motion, index) : rho_i;
@@ -117,7 +121,7 @@ class Pairs {
       ax = hn::NegMulAdd(s, r.x, ax);
       az = hn::NegMulAdd(s, r.z, az);
       if constexpr (Dim == 3) ay = hn::NegMulAdd(s, r.y, ay);
-      if (constants_.viscous) {
+      if constexpr (kViscous) {
         const Quad viscous = load_transposed(F(), &extras_.viscous[0].wx, index, 4);
         const VF own_mu = hn::Set(d, extras_.viscous[item].mu);
         const auto sample = hn::Lt(viscous.d, hn::Zero(d));

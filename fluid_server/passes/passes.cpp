@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "fluid_server/neighbours/shares.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/passes/passes.cpp"
 #include <hwy/foreach_target.h>
@@ -19,11 +21,10 @@ HWY_BEFORE_NAMESPACE();
 namespace ballast::fluid {
 namespace HWY_NAMESPACE {
 
-/// task(k) for all k below size, in chunks that whichever thread is free takes.
-template <class Task>
-void for_each_index(std::size_t size, int threads, Task&& task) {
-#pragma omp parallel for num_threads(threads) schedule(dynamic, Lists::kChunk)
-  for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(size); ++k) task(k);
+/// The particles' p of the points.
+template <class Of>
+void set_pressures(const Neighbourhood& items, int threads, KeptPairs& pairs, Of&& of) {
+  for_each_in(items.fluid_shares, threads, [&](std::uint32_t f) { pairs.point[items.fluid_item[f]].p = of(f); });
 }
 
 template <int Dim, KernelKind K>
@@ -39,64 +40,67 @@ void BuildAll(Neighbourhood& items, const ItemExtras& extras, const PassConstant
     items.count_kept(MendAll(items, builder, constants.threads, advance));
   else
     SearchAll(items, builder, constants.threads, advance);
+  items.share_out();
 }
 
 template <int Dim, KernelKind K>
 void AdvanceAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* pressure) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { pressure[f] = pairs.advanced_pressure(items.fluid_item[f]); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { pressure[f] = pairs.advanced_pressure(items.fluid_item[f]); });
 }
 
 template <int Dim, KernelKind K>
 void GatherAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, SampleSums* sums) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_index(items.sample_item.size(), constants.threads,
-                 [&](std::uint32_t s) { sums[s] = pairs.sample_sums(items.sample_item[s]); });
+  for_each_in(items.sample_shares, constants.threads,
+              [&](std::uint32_t s) { sums[s] = pairs.sample_sums(items.sample_item[s]); });
 }
 
 template <int Dim, KernelKind K>
 void GatherViscousAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                       ViscousSums* sums) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_index(items.sample_item.size(), constants.threads,
-                 [&](std::uint32_t s) { sums[s] = viscous_sums<Dim>(pairs, extras, items.sample_item[s]); });
+  for_each_in(items.sample_shares, constants.threads,
+              [&](std::uint32_t s) { sums[s] = viscous_sums<Dim>(pairs, extras, items.sample_item[s]); });
 }
 
 template <int Dim, KernelKind K>
 void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { pairs.acceleration(items.fluid_item[f], a + 3 * f); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { pairs.acceleration(items.fluid_item[f], a + 3 * f); });
 }
 
 template <int Dim, KernelKind K>
 void AccelerateSome(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                     std::span<const std::uint32_t> particles, float* a) {
+  constexpr std::size_t kFew = 64;  // below this a second thread costs more than it brings
   const Pairs<Dim, K> pairs(items, extras, constants);
+#pragma omp parallel for num_threads(constants.threads) schedule(static) if (particles.size() > kFew)
   for (std::size_t k = 0; k < particles.size(); ++k) pairs.acceleration(items.fluid_item[particles[k]], a + 3 * k);
 }
 
 template <int Dim, KernelKind K>
 void SumAll(const Neighbourhood& items, const PassConstants& constants, float* delta, float* gradient) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { delta[f] = pairs.summed_density(items.fluid_item[f], gradient + 3 * f); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { delta[f] = pairs.summed_density(items.fluid_item[f], gradient + 3 * f); });
 }
 
 template <int Dim, KernelKind K>
 void EvenAll(const Neighbourhood& items, const PassConstants& constants, Evening* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { out[items.fluid_item[f]] = evening<Dim>(pairs, items.fluid_item[f]); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { out[items.fluid_item[f]] = evening<Dim>(pairs, items.fluid_item[f]); });
 }
 
 template <int Dim, KernelKind K>
 void UnevennessAll(const Neighbourhood& items, const PassConstants& constants, double spacing, Unevenness* out) {
   const Pairs<Dim, K> pairs(items, ItemExtras{}, constants);
   const float per_value = static_cast<float>(1 / constants.kernel.value(spacing));
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { out[f] = pairs.unevenness(items.fluid_item[f], per_value); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { out[f] = pairs.unevenness(items.fluid_item[f], per_value); });
 }
 
 template <int Dim, KernelKind K>
@@ -107,7 +111,7 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
   const auto slopes = [&](std::uint32_t item) {
     return kept.slope.data() + std::size_t{kept.slopes_before[item]} * kLanes;
   };
-  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+  for_each_in(items.fluid_shares, constants.threads, [&](std::uint32_t f) {
     const std::uint32_t item = items.fluid_item[f];
     sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
   });
@@ -115,10 +119,10 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
   const auto values = [&](std::uint32_t item) {
     return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
   };
-  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+  for_each_in(items.fluid_shares, constants.threads, [&](std::uint32_t f) {
     if (kept.sum[f].touches_samples != 0) rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
   });
-  for_each_index(items.sample_item.size(), constants.threads, [&](std::uint32_t s) {
+  for_each_in(items.sample_shares, constants.threads, [&](std::uint32_t s) {
     const std::uint32_t item = items.sample_item[s];
     rows.keep_sample(item, slopes(item), values(item));
   });
@@ -128,18 +132,18 @@ template <int Dim>
 void AverageAll(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs, const float* x,
                 float* out) {
   const Products<Dim> products(items, pairs);
-  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = x[f];
-  for_each_index(items.sample_item.size(), constants.threads,
-                 [&](std::uint32_t s) { out[s] = products.mean(items.sample_item[s]); });
+  set_pressures(items, constants.threads, pairs, [x](std::uint32_t f) { return x[f]; });
+  for_each_in(items.sample_shares, constants.threads,
+              [&](std::uint32_t s) { out[s] = products.mean(items.sample_item[s]); });
 }
 
 template <int Dim>
 void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                 const float* inverse_w, const RowSums* sums, KeptPairs& pairs, float* out) {
+                 const RowSums* sums, KeptPairs& pairs, float* out) {
   const Products<Dim> products(items, pairs);
-  for (std::size_t f = 0; f < items.fluid_item.size(); ++f) pairs.point[items.fluid_item[f]].p = 0;
-  for (std::size_t s = 0; s < items.sample_item.size(); ++s) pairs.point[items.sample_item[s]].p = inverse_w[s];
-  for_each_index(items.fluid_item.size(), constants.threads, [&](std::uint32_t f) {
+  set_pressures(items, constants.threads, pairs, [](std::uint32_t) { return 0.f; });
+  for (const KeptPairs::Active& sample : pairs.active) pairs.point[sample.item].p = sample.inverse_w;
+  for_each_in(items.fluid_shares, constants.threads, [&](std::uint32_t f) {
     const std::uint32_t item = items.fluid_item[f];
     const float volume = items.record[item].volume;
     const float density = extras.density[constants.several_densities ? item : 0];
@@ -147,39 +151,29 @@ void DiagonalAll(const Neighbourhood& items, const ItemExtras& extras, const Pas
   });
 }
 
+/// Every thread has the same share of the particles, and of the samples that extrapolate, in all products of a solve.
 template <int Dim>
-void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              const float* inverse_w, KeptPairs& pairs, const float* x, Flow* flow, float* out) {
+void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, KeptPairs& pairs,
+              const float* x, Flow* flow, float* out) {
   const Products<Dim> products(items, pairs);
-  const auto samples = static_cast<std::uint32_t>(items.sample_item.size());
-  const auto particles = static_cast<std::uint32_t>(items.fluid_item.size());
   KeptPairs::Point* point = pairs.point.data();
-#pragma omp parallel num_threads(constants.threads)
-  {
-#pragma omp for schedule(static)
-    for (std::uint32_t f = 0; f < particles; ++f) point[items.fluid_item[f]].p = x[f];
-#pragma omp for schedule(dynamic, Lists::kChunk)
-    for (std::uint32_t s = 0; s < samples; ++s) {
-      const std::uint32_t item = items.sample_item[s];
-      flow[item] = {0, 0, 0, items.record[item].volume};
-      point[item].p = inverse_w[s] > 0 ? products.sample_pressure(item, inverse_w[s]) : 0.f;
-    }
-#pragma omp for schedule(dynamic, Lists::kChunk)
-    for (std::uint32_t f = 0; f < particles; ++f) {
-      const std::uint32_t item = items.fluid_item[f];
-      const float density = extras.density[constants.several_densities ? item : 0];
-      flow[item] = products.acceleration(item, pairs.sum[f], 1 / density, items.record[item].volume);
-    }
-#pragma omp for schedule(dynamic, Lists::kChunk)
-    for (std::uint32_t s = 0; s < samples; ++s)
-      if (inverse_w[s] > 0) {
-        const std::uint32_t item = items.sample_item[s];
-        point[item].p = products.sample_flux(item, inverse_w[s], flow);
-      }
-#pragma omp for schedule(dynamic, Lists::kChunk)
-    for (std::uint32_t f = 0; f < particles; ++f)
-      out[f] = products.volume_divergence(items.fluid_item[f], pairs.sum[f], flow);
-  }
+  const int threads = constants.threads;
+  for_each_in(items.fluid_shares, threads, [&](std::uint32_t f) { point[items.fluid_item[f]].p = x[f]; });
+  for_each_in(pairs.active_shares, threads, [&](std::uint32_t s) {
+    const KeptPairs::Active sample = pairs.active[s];
+    point[sample.item].p = products.sample_pressure(sample.item, sample.inverse_w);
+  });
+  for_each_in(items.fluid_shares, threads, [&](std::uint32_t f) {
+    const std::uint32_t item = items.fluid_item[f];
+    const float density = extras.density[constants.several_densities ? item : 0];
+    flow[item] = products.acceleration(item, pairs.sum[f], 1 / density, items.record[item].volume);
+  });
+  for_each_in(pairs.active_shares, threads, [&](std::uint32_t s) {
+    const KeptPairs::Active sample = pairs.active[s];
+    point[sample.item].p = products.sample_flux(sample.item, sample.inverse_w, flow);
+  });
+  for_each_in(items.fluid_shares, threads,
+              [&](std::uint32_t f) { out[f] = products.volume_divergence(items.fluid_item[f], pairs.sum[f], flow); });
 }
 
 /// Fluxes of the samples into their p, then the divergence at every particle.
@@ -187,12 +181,12 @@ template <int Dim, KernelKind K>
 void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
                 float* out) {
   const Rows<Dim, K> rows(items, ItemExtras{}, constants);
-  for_each_index(items.sample_item.size(), constants.threads, [&](std::uint32_t s) {
+  for_each_in(items.sample_shares, constants.threads, [&](std::uint32_t s) {
     const std::uint32_t item = items.sample_item[s];
     if (inverse_w[s] > 0) items.record[item].p = rows.sample_flux(item, inverse_w[s], flow);
   });
-  for_each_index(items.fluid_item.size(), constants.threads,
-                 [&](std::uint32_t f) { out[f] = rows.volume_divergence(items.fluid_item[f], flow); });
+  for_each_in(items.fluid_shares, constants.threads,
+              [&](std::uint32_t f) { out[f] = rows.volume_divergence(items.fluid_item[f], flow); });
 }
 
 /// Calls what<Dim, K> for the kernel in use.
@@ -239,10 +233,10 @@ void SumRows(const Neighbourhood& items, const ItemExtras& extras, const PassCon
              KeptPairs& pairs) {
   BALLAST_BY_KERNEL(RowsAll, constants.kernel, items, extras, constants, sums, pairs);
 }
-void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const float* inverse_w,
-           KeptPairs& pairs, const float* x, Flow* flow, float* out) {
+void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, KeptPairs& pairs,
+           const float* x, Flow* flow, float* out) {
   const auto apply = constants.kernel.dimension == 2 ? ApplyAll<2> : ApplyAll<3>;
-  apply(items, extras, constants, inverse_w, pairs, x, flow, out);
+  apply(items, extras, constants, pairs, x, flow, out);
 }
 void Diverge(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
              float* out) {
@@ -252,10 +246,10 @@ void Average(const Neighbourhood& items, const PassConstants& constants, KeptPai
   const auto average = constants.kernel.dimension == 2 ? AverageAll<2> : AverageAll<3>;
   average(items, constants, pairs, x, out);
 }
-void Diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-              const float* inverse_w, const RowSums* sums, KeptPairs& pairs, float* out) {
+void Diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, const RowSums* sums,
+              KeptPairs& pairs, float* out) {
   const auto diagonal = constants.kernel.dimension == 2 ? DiagonalAll<2> : DiagonalAll<3>;
-  diagonal(items, extras, constants, inverse_w, sums, pairs, out);
+  diagonal(items, extras, constants, sums, pairs, out);
 }
 const char* Name() { return hwy::TargetName(HWY_TARGET); }
 
@@ -345,18 +339,30 @@ void average_onto_samples(const Neighbourhood& items, const PassConstants& const
   out.resize(items.sample_item.size());
   HWY_DYNAMIC_DISPATCH(Average)(items, constants, pairs, x.data(), out.data());
 }
+void weigh_samples(const Neighbourhood& items, std::span<const float> inverse_w, int threads, KeptPairs& pairs,
+                   std::vector<Flow>& flow) {
+  resize_gently(flow, items.record.size());
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (std::size_t s = 0; s < inverse_w.size(); ++s) {
+    const std::uint32_t item = items.sample_item[s];
+    flow[item] = {0, 0, 0, items.record[item].volume};
+    pairs.point[item].p = 0;
+  }
+  pairs.active.clear();
+  for (std::size_t s = 0; s < inverse_w.size(); ++s)
+    if (inverse_w[s] > 0) pairs.active.push_back({items.sample_item[s], inverse_w[s]});
+  pairs.active_shares = shares_of(static_cast<std::uint32_t>(pairs.active.size()), threads,
+                                  [&](std::uint32_t k) { return 4 + items.lists.cost(pairs.active[k].item); });
+}
 void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, KeptPairs& pairs,
-                   std::vector<float>& out) {
+                   const std::vector<RowSums>& sums, KeptPairs& pairs, std::vector<float>& out) {
   out.resize(items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Diagonal)(items, extras, constants, inverse_w.data(), sums.data(), pairs, out.data());
+  HWY_DYNAMIC_DISPATCH(Diagonal)(items, extras, constants, sums.data(), pairs, out.data());
 }
 void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, KeptPairs& pairs, std::span<const float> x,
-                    std::vector<Flow>& flow, std::vector<float>& out) {
-  resize_gently(flow, items.record.size());
+                    KeptPairs& pairs, std::span<const float> x, std::vector<Flow>& flow, std::vector<float>& out) {
   out.resize(items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, inverse_w.data(), pairs, x.data(), flow.data(), out.data());
+  HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, pairs, x.data(), flow.data(), out.data());
 }
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
                       const std::vector<Flow>& flow, std::vector<float>& out) {

@@ -159,13 +159,19 @@ struct KeptPairs {
     std::uint32_t x, y, z;  ///< as in Record
     float p;                ///< what the product at hand reads
   };
+  struct Active {
+    std::uint32_t item;
+    float inverse_w;
+  };
   std::vector<float> slope;                  ///< V_j g
   std::vector<float> value;                  ///< particle: W where the neighbour is a sample, else 0; sample: V_k W
   std::vector<std::uint32_t> slopes_before;  ///< per item: vectors of slopes before those of its list
   std::vector<std::uint32_t>
-      values_before;         ///< per item: the same of values, for samples and particles that touch them
-  std::vector<Sum> sum;      ///< per particle
-  std::vector<Point> point;  ///< per item
+      values_before;           ///< per item: the same of values, for samples and particles that touch them
+  std::vector<Sum> sum;        ///< per particle
+  std::vector<Point> point;    ///< per item
+  std::vector<Active> active;  ///< the samples that extrapolate
+  std::vector<std::uint32_t> active_shares;  ///< of these
   /// Room for the slopes of all lists of these items, in vectors of `lanes`; for their values, once `sum` is known.
   void make_room_for_slopes(const Neighbourhood& items, std::uint32_t lanes, int threads);
   void make_room_for_values(const Neighbourhood& items, std::uint32_t lanes, int threads);
@@ -180,17 +186,19 @@ void sum_rows(const Neighbourhood& items, const ItemExtras& extras, const PassCo
 void average_onto_samples(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs,
                           std::span<const float> x, std::vector<float>& out);
 
-/// out = diagonal of G^T M^-1 G, per particle, without what a sample hands on to others.
-void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                   const std::vector<float>& inverse_w, const std::vector<RowSums>& sums, KeptPairs& pairs,
-                   std::vector<float>& out);
+/// How much each sample extrapolates in the products to come: `inverse_w` is what it multiplies sum V W p by, 1 / sum V
+/// W or less, 0 where dry. `pairs` from sum_rows of the same lists; the samples' `flow` becomes that of rest.
+void weigh_samples(const Neighbourhood& items, std::span<const float> inverse_w, int threads, KeptPairs& pairs,
+                   std::vector<Flow>& flow);
 
-/// out = G^T M^-1 G x, per particle; solids at rest. Leaves the accelerations M^-1 G x in `flow`. `inverse_w` per
-/// sample: what it multiplies sum V W p by to extrapolate, 1 / sum V W or less, 0 where dry; `pairs` from sum_rows of
-/// the same lists.
+/// out = diagonal of G^T M^-1 G, per particle, without what a sample hands on to others; `pairs` from weigh_samples.
+void find_diagonal(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
+                   const std::vector<RowSums>& sums, KeptPairs& pairs, std::vector<float>& out);
+
+/// out = G^T M^-1 G x, per particle; solids at rest. `pairs` and `flow` from weigh_samples; leaves the particles'
+/// accelerations M^-1 G x in `flow`.
 void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                    const std::vector<float>& inverse_w, KeptPairs& pairs, std::span<const float> x,
-                    std::vector<Flow>& flow, std::vector<float>& out);
+                    KeptPairs& pairs, std::span<const float> x, std::vector<Flow>& flow, std::vector<float>& out);
 
 /// out = G^T v for the velocities in `flow`, those of the samples included: volume times divergence, per particle.
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,

@@ -79,15 +79,17 @@ class Products {
 
   /// Flux into a sample at rest over sum V W: V_b sum V_k g (x_k - x_b).v_k / sum V W.
   HWY_INLINE float sample_flux(std::uint32_t item, float inverse_w, const Flow* flow) const {
-    return flow[item].volume * inverse_w * flux(item, flow);
+    return flow[item].volume * inverse_w * fluxes<false>(item, flow).fluid;
   }
 
   /// -V_i [ sum V_j g r.(v_i - v_j) + sum_b W_ib flux_b ], fluxes in the samples' p; samples at rest.
   HWY_INLINE float volume_divergence(std::uint32_t item, const KeptPairs::Sum& sum, const Flow* flow) const {
     const Flow& own = flow[item];
-    float all = own.x * sum.x + own.z * sum.z - flux(item, flow);
+    const bool touches_samples = sum.touches_samples != 0;
+    const Fluxes flux = touches_samples ? fluxes<true>(item, flow) : fluxes<false>(item, flow);
+    float all = own.x * sum.x + own.z * sum.z - flux.fluid;
     if constexpr (Dim == 3) all += own.y * sum.y;
-    if (sum.touches_samples != 0) all += sample_pressure(item, 1.f);
+    if (touches_samples) all += flux.handed_on;
     return -own.volume * all;
   }
 
@@ -124,17 +126,23 @@ class Products {
     });
   }
 
-  /// sum V_j g r.v_j
-  HWY_INLINE float flux(std::uint32_t item, const Flow* flow) const {
+  struct Fluxes {
+    float fluid;      ///< sum V_j g r.v_j
+    float handed_on;  ///< sum_b W_ib flux_b
+  };
+  template <bool kSamples>
+  HWY_INLINE Fluxes fluxes(std::uint32_t item, const Flow* flow) const {
     const F d;
-    VF sum = hn::Zero(d);
-    for_each_pair(item, [&](std::uint32_t, const std::uint32_t* index, const Gradient& g) HWY_ATTR {
+    const float* value = kSamples ? values(item) : nullptr;
+    VF sum = hn::Zero(d), from_samples = hn::Zero(d);
+    for_each_pair(item, [&](std::uint32_t k, const std::uint32_t* index, const Gradient& g) HWY_ATTR {
       const Quad v = load_transposed(d, &flow->x, index, 4);
       sum = hn::MulAdd(g.x, v.a, sum);
       sum = hn::MulAdd(g.z, v.c, sum);
       if constexpr (Dim == 3) sum = hn::MulAdd(g.y, v.b, sum);
+      if constexpr (kSamples) from_samples = hn::MulAdd(hn::LoadU(d, value + k), g.p, from_samples);
     });
-    return total(sum);
+    return {total(sum), kSamples ? total(from_samples) : 0.f};
   }
 
   const Lists& lists_;

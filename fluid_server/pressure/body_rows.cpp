@@ -14,6 +14,7 @@ namespace ballast::fluid {
 namespace {
 
 constexpr std::uint32_t kNone = ~0u;
+constexpr std::size_t kFewBodies = 8;  // below this a second thread costs more than it brings
 
 /// Symmetric square root of a positive semidefinite matrix.
 Matrix6 root_of(const Matrix6& m) {
@@ -28,17 +29,14 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
                      const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
                      const PassConstants& constants, double dt) {
   threads_ = constants.threads;
-  root_.assign(states.size(), Matrix6::Zero());
-  bool any = false;
-  for (std::size_t b = 0; b < states.size(); ++b) {
-    const auto mobility = mobility_of(states[b]);
-    if (mobility.isZero(0)) continue;
-    any = true;
-    root_[b] = root_of(mobility);
-  }
+  const auto moves_freely = [](const exchange::BodyState& state) { return !mobility_of(state).isZero(0); };
   row_.clear();
   first_.assign(states.size() + 1, 0);
-  if (!any) return;
+  root_.assign(states.size(), Matrix6::Zero());
+  if (std::none_of(states.begin(), states.end(), moves_freely)) return;
+#pragma omp parallel for num_threads(threads_) schedule(static) if (states.size() > kFewBodies)
+  for (std::size_t b = 0; b < states.size(); ++b)
+    if (moves_freely(states[b])) root_[b] = root_of(mobility_of(states[b]));
   find_wet(items, samples, sums);
   part_.resize(states.size());
   row_of_.resize(static_cast<std::size_t>(threads_));
@@ -131,7 +129,7 @@ void BodyRows::index_particles(std::size_t particles) {
 
 void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
   y.resize(root_.size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4) if (row_.size() > kSerial)
+#pragma omp parallel for num_threads(threads_) schedule(static, 1) if (row_.size() > kSerial)
   for (std::size_t b = 0; b < root_.size(); ++b) {
     y[b].setZero();
     for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
@@ -169,7 +167,8 @@ void BodyRows::factor(std::span<const float> diagonal) {
   for (std::size_t b = 0; b < root_.size(); ++b)
     if (moves(b)) slot_[b] = static_cast<std::uint32_t>(unknowns_), unknowns_ += 6;
   if (unknowns_ == 0) return;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Matrix6> blocks;
+  std::vector<Matrix6> own(unknowns_ / 6, Matrix6::Zero());  // of each body
+  std::map<Slots, Matrix6> shared;                           // of two at the same particles
   for (std::size_t p = 0; p + 1 < particle_start_.size(); ++p) {
     const double weight = 1.0 / diagonal[row_[by_particle_[particle_start_[p]]].particle];
     for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r)
@@ -179,24 +178,32 @@ void BodyRows::factor(std::span<const float> diagonal) {
         if (a < c) continue;  // the lower half is enough
         const Vector6 u = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(one.u).cast<double>();
         const Vector6 v = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(two.u).cast<double>();
-        auto [entry, created] = blocks.try_emplace({a, c}, Matrix6::Zero());
-        entry->second.noalias() += weight * u * v.transpose();
+        Matrix6& block = a == c ? own[a / 6] : shared.try_emplace({a, c}, Matrix6::Zero()).first->second;
+        block.noalias() += weight * u * v.transpose();
       }
   }
   std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> trace(unknowns_ / 6, 0.0);
-  for (const auto& [at, block] : blocks) {
-    if (at.first == at.second) trace[at.first / 6] += block.trace();
+  const auto enter = [&](std::size_t row, std::size_t column, const Matrix6& block) {
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j)
-        entries.emplace_back(static_cast<int>(at.first) + i, static_cast<int>(at.second) + j,
-                             block(i, j) + (at.first == at.second && i == j ? 1.0 : 0.0));
+        entries.emplace_back(static_cast<int>(row) + i, static_cast<int>(column) + j, block(i, j));
+  };
+  double largest = 0;
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    largest = std::max(largest, own[k].trace());
+    enter(6 * k, 6 * k, own[k] + Matrix6::Identity());
   }
+  std::vector<Slots> touching{{static_cast<std::uint32_t>(unknowns_), 0}};
+  for (const auto& [at, block] : shared) enter(at.first, at.second, block), touching.push_back(at);
   // Blocks of bodies that share particles add up; more than two bodies at one particle are taken to be rare.
-  norm_ = 2 * *std::max_element(trace.begin(), trace.end());
+  norm_ = 2 * largest;
   Eigen::SparseMatrix<double> matrix(static_cast<int>(unknowns_), static_cast<int>(unknowns_));
   matrix.setFromTriplets(entries.begin(), entries.end());
-  factor_.compute(matrix);
+  if (touching != touching_) {
+    touching_ = std::move(touching);
+    factor_.analyzePattern(matrix);
+  }
+  factor_.factorize(matrix);
 }
 
 void BodyRows::solve(std::vector<Vector6>& y) const {

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/SparseCholesky>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/exchange/records.h"
@@ -61,6 +62,8 @@ class BodyRows {
   std::vector<std::vector<std::uint32_t>> row_of_;  // by thread: row of each particle in the body at hand
   std::vector<std::uint32_t> slot_;                 // of each body among those with rows, ~0u without
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+  using Slots = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<Slots> touching_;  // bodies at the same particles when the factor's pattern was analysed, after its size
   std::size_t unknowns_ = 0;
   double norm_ = 0;
 };

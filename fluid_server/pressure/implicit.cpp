@@ -139,7 +139,9 @@ void ImplicitPressure::find_shares() {
       inside_[f] = std::clamp((rows_[f].fullness - kOutside) / (kWithin - kOutside), 0.f, 1.f);
   });
   average_onto_samples(*items_, *constants_, pairs_, inside_, share_);
-  for (float& share : share_) share = std::clamp((share - kNone) / (kAll - kNone), 0.f, 1.f);
+  for_blocks(share_.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) share_[s] = std::clamp((share_[s] - kNone) / (kAll - kNone), 0.f, 1.f);
+  });
 }
 
 /// A fluid without a surface cannot change its volume, and no pressure answers the mean of the right side but a uniform
@@ -163,7 +165,9 @@ void ImplicitPressure::balance_closed(const Particles& particles) {
 }
 
 void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
-  for (std::size_t s = 0; s < sums.size(); ++s) sums[s].share = share_[s];
+  for_blocks(sums.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) sums[s].share = share_[s];
+  });
 }
 
 /// Compression follows the divergence, which keeps the volume but forgets positions. Inside the fluid it is pulled to
@@ -214,7 +218,7 @@ void ImplicitPressure::correct_compression(Particles& particles) {
 void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {
   options_.sign_of_life();
   const std::size_t n = x.size();
-  apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, out);
+  apply_pressure(*items_, *extras_, *constants_, pairs_, x, flow_, out);
   const float dt2 = static_cast<float>(dt_ * dt_);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) out[f] = dt2 * out[f] + yielding_[f] * x[f];

@@ -8,7 +8,7 @@
 namespace ballast::fluid {
 
 inline constexpr std::size_t kSumBlock = 1024;  // entries per partial sum: fixed, so that sums do not depend on threads
-inline constexpr std::size_t kSerial = 16384;   // below this a second thread costs more than it brings
+inline constexpr std::size_t kSerial = 2048;    // below this a second thread costs more than it brings
 
 /// Calls task(begin, end) for blocks that cover 0 .. n.
 template <class Task>

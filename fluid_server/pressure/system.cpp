@@ -42,7 +42,8 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
   predict(states, response);
   apply_divergence(items, *constants_, inverse_w_, flow_, divergence_);
   bodies_.build(items, samples_, states, sums, inverse_w_, *constants_, dt_);
-  find_diagonal(items, extras, *constants_, inverse_w_, rows_, pairs_, diagonal_);
+  weigh_samples(items, inverse_w_, constants_->threads, pairs_, flow_);
+  find_diagonal(items, extras, *constants_, rows_, pairs_, diagonal_);
 
   const std::size_t n = particles.size();
   const int threads = constants_->threads;
@@ -164,7 +165,7 @@ void ImplicitPressure::estimate_norm() {
   fluid_norm_ = 2;
   for (int k = 0; k < 20; ++k) {
     options_.sign_of_life();
-    apply_pressure(*items_, *extras_, *constants_, inverse_w_, pairs_, x, flow_, y);
+    apply_pressure(*items_, *extras_, *constants_, pairs_, x, flow_, y);
     double xx = 0, yy = 0;
     for (std::size_t f = 0; f < n; ++f) {
       y[f] *= static_cast<float>(dt_ * dt_) / diagonal_[f];

@@ -179,7 +179,7 @@ void add_rows(std::vector<Row>& rows, const Case& c) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bench::let_idle_threads_sleep(argv);
+  bench::let_idle_threads_sleep();
   bench::Options options;
   if (!options.parse(argc, argv, 7)) return kBadInput;
   Case cases[] = {{50, 50, 40, 1, 8, {}, {}, {}, {}},

@@ -203,7 +203,7 @@ bool same(const Outcome& a, const Outcome& b) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bench::let_idle_threads_sleep(argv);
+  bench::let_idle_threads_sleep();
   bench::Options options;
   if (!options.parse(argc, argv, 5)) return kBadInput;
   auto scene = make_scene();

@@ -84,13 +84,8 @@ inline int finish(const Options& options, const std::vector<Row>& rows, const st
   return good ? kFine : kProcessFailed;
 }
 
-/// Idle threads of the pool sleep, as the coordinator asks of the fluid process: where others compute too, threads that
-/// spin at the end of every loop cost more than they gain. The pool reads this when the program is loaded: start again.
-inline void let_idle_threads_sleep(char** argv) {
-  if (std::getenv("GOMP_SPINCOUNT")) return;
-  setenv("GOMP_SPINCOUNT", "1000", 1);
-  execv("/proc/self/exe", argv);
-}
+/// Idle threads of the pool sleep as soon as those of the fluid process do. Before they are first used.
+inline void let_idle_threads_sleep() { setenv("KMP_BLOCKTIME", "1", 0); }
 
 inline double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

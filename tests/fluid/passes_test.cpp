@@ -322,7 +322,8 @@ TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
   std::vector<float> pressure, out, divergence;
   for (const std::uint32_t item : items_.fluid_item) pressure.push_back(items_.record[item].p);
   std::vector<Flow> flow, velocities(items_.record.size());
-  apply_pressure(items_, extras_, constants_, inverse_w, pairs_, pressure, flow, out);
+  weigh_samples(items_, inverse_w, constants_.threads, pairs_, flow);
+  apply_pressure(items_, extras_, constants_, pairs_, pressure, flow, out);
   double power = 0, scale = 0;
   for (std::uint32_t item = 0; item < items_.size(); ++item) {
     const Record& r = items_.record[item];
@@ -361,9 +362,10 @@ TEST_P(Passes, PressureOperatorIsSymmetricAndPositive) {
   std::normal_distribution<float> normal;
   std::vector<float> x[2], ax[2];
   std::vector<Flow> flow;
+  weigh_samples(items_, inverse_w, constants_.threads, pairs_, flow);
   for (int k = 0; k < 2; ++k) {
     for (std::size_t f = 0; f < items_.fluid_item.size(); ++f) x[k].push_back(normal(random));
-    apply_pressure(items_, extras_, constants_, inverse_w, pairs_, x[k], flow, ax[k]);
+    apply_pressure(items_, extras_, constants_, pairs_, x[k], flow, ax[k]);
   }
   const auto dot = [](const std::vector<float>& a, const std::vector<float>& b) {
     double sum = 0;
