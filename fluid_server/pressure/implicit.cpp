@@ -149,16 +149,13 @@ void ImplicitPressure::find_shares() {
 /// two steps). Takes that mean away, and gives the uniform pressure a weight of its own, that of one particle.
 void ImplicitPressure::balance_closed(const Particles& particles) {
   const std::size_t n = particles.size();
-  const auto [sum, volume, surface] = sum_blocks<3>(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-    double right = 0, all = 0, bounded = 0;
-    for (std::size_t f = begin; f < end; ++f)
-      right += right_[f], all += particles.record[f].volume, bounded += bounded_[f];
-    return std::array<double, 3>{right, all, bounded};
+  const auto [right, volume, surface] = sum_of<3>(n, constants_->threads, [&](std::size_t f, auto& sum) {
+    sum[0] += right_[f], sum[1] += particles.record[f].volume, sum[2] += bounded_[f];
   });
   uniform_ = 0;
   if (surface > 0 || !(volume > 0)) return;
   uniform_ = mean_diagonal_;
-  const float whole = static_cast<float>(sum / volume);
+  const float whole = static_cast<float>(right / volume);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) right_[f] -= particles.record[f].volume * whole;
   });
@@ -177,17 +174,10 @@ void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
 /// compression is never far below the sum: a particle in a gap between solids may not hide what is around it. At a
 /// surface the sum is short of neighbours, but never less than the truth when it is above.
 void ImplicitPressure::correct_compression(Particles& particles) {
-  const auto [sum, inside] =
-      sum_blocks<2>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-        double excess = 0, number = 0;
-        for (std::size_t f = begin; f < end; ++f) {
-          if (rows_[f].fullness <= kInside) continue;
-          excess += rows_[f].delta - 1 - particles.compression[f];
-          ++number;
-        }
-        return std::array<double, 2>{excess, number};
-      });
-  float bias = inside > 0 ? static_cast<float>(sum / inside) : 0.f;
+  const auto [excess, inside] = sum_of<2>(particles.size(), constants_->threads, [&](std::size_t f, auto& sum) {
+    if (rows_[f].fullness > kInside) sum[0] += rows_[f].delta - 1 - particles.compression[f], ++sum[1];
+  });
+  float bias = inside > 0 ? static_cast<float>(excess / inside) : 0.f;
   if (weighs_ && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
@@ -205,12 +195,9 @@ void ImplicitPressure::correct_compression(Particles& particles) {
   });
   float worst = 0;
   for (const float e : particles.compression) worst = std::max(worst, e);
-  const auto [compressed] =
-      sum_blocks<1>(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-        double total = 0;
-        for (std::size_t f = begin; f < end; ++f) total += std::max(particles.compression[f], 0.f);
-        return std::array<double, 1>{total};
-      });
+  const auto [compressed] = sum_of<1>(particles.size(), constants_->threads, [&](std::size_t f, auto& sum) {
+    sum[0] += std::max(particles.compression[f], 0.f);
+  });
   report_.found_mean = compressed / static_cast<double>(std::max<std::size_t>(particles.size(), 1));
   report_.found_max = worst;
 }
@@ -224,12 +211,8 @@ void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& ou
     for (std::size_t f = begin; f < end; ++f) out[f] = dt2 * out[f] + yielding_[f] * x[f];
   });
   if (uniform_ > 0) {
-    const auto [sum] = sum_blocks<1>(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-      double part = 0;
-      for (std::size_t f = begin; f < end; ++f) part += x[f];
-      return std::array<double, 1>{part};
-    });
-    const float push = static_cast<float>(uniform_ * sum / static_cast<double>(n));
+    const auto [all] = sum_of<1>(n, constants_->threads, [&](std::size_t f, auto& sum) { sum[0] += x[f]; });
+    const float push = static_cast<float>(uniform_ * all / static_cast<double>(n));
     for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) out[f] += push;
     });
@@ -253,18 +236,13 @@ void ImplicitPressure::precondition(std::span<const float> r, std::vector<float>
 bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gradient) {
   const bool with_bodies = !bodies_.empty();
   if (with_bodies) scaled_.resize(gradient.size());
-  const DensityError found =
-      fold_blocks<DensityError>(x.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-        DensityError part;
-        for (std::size_t f = begin; f < end; ++f) {
-          const float size = std::abs(gradient[f]);
-          part.worst = std::max(part.worst, size / particles_->record[f].volume);
-          part.sum += size;
-          part.volume += particles_->record[f].volume;
-          if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
-        }
-        return part;
-      });
+  const auto found = fold<DensityError>(x.size(), constants_->threads, [&](std::size_t f, DensityError& part) {
+    const float size = std::abs(gradient[f]);
+    part.worst = std::max(part.worst, size / particles_->record[f].volume);
+    part.sum += size;
+    part.volume += particles_->record[f].volume;
+    if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
+  });
   volume_ = found.volume;
   report_.residual = volume_ > 0 ? found.sum / volume_ : 0;
   const bool density = report_.residual <= options_.tolerance && found.worst <= kWorst;

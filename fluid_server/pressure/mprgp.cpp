@@ -10,14 +10,9 @@ namespace ballast::fluid {
 
 namespace {
 
-/// Of a direction d with product A d: d.A d, gradient.d, and the longest step along it that no bound cuts off.
-struct Course {
-  double curvature = 0, slope = 0, feasible = std::numeric_limits<double>::infinity();
-  void add(const Course& other) {
-    curvature += other.curvature;
-    slope += other.slope;
-    feasible = std::min(feasible, other.feasible);
-  }
+struct Smallest {
+  double of = std::numeric_limits<double>::infinity();
+  void add(const Smallest& other) { of = std::min(of, other.of); }
 };
 
 }  // namespace
@@ -60,18 +55,14 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
 void Mprgp::split() {
   const std::vector<float>& x = *x_;
   const double longest = 1.9 / norm_;
-  const auto [clamped, slack] = sum_blocks<2>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    double c = 0, f = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const bool is_free = free(i);
-      projected_[i] = is_free ? gradient_[i] : std::min(gradient_[i], 0.f);
-      const double g = projected_[i], d = diagonal_[i];
-      if (is_free)
-        f += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
-      else
-        c += g * g / d;
-    }
-    return std::array<double, 2>{c, f};
+  const auto [clamped, slack] = sum_of<2>(x.size(), threads_, [&](std::size_t i, auto& sum) {
+    const bool is_free = free(i);
+    projected_[i] = is_free ? gradient_[i] : std::min(gradient_[i], 0.f);
+    const double g = projected_[i], d = diagonal_[i];
+    if (is_free)
+      sum[1] += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
+    else
+      sum[0] += g * g / d;
   });
   release_ = clamped > std::max(slack, 0.0);
 }
@@ -84,13 +75,9 @@ void Mprgp::redirect() {
     for (std::size_t i = begin; i < end; ++i) trial_[i] = moves(i) ? gradient_[i] : 0.f;
   });
   program_->precondition(trial_, preconditioned_);
-  const auto [along] = sum_blocks<1>(n, threads_, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
-      sum += static_cast<double>(preconditioned_[i]) * product_[i];
-    }
-    return std::array<double, 1>{sum};
+  const auto [along] = sum_of<1>(n, threads_, [&](std::size_t i, auto& sum) {
+    preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
+    sum[0] += static_cast<double>(preconditioned_[i]) * product_[i];
   });
   if (fresh_) {
     direction_ = preconditioned_;
@@ -108,39 +95,28 @@ bool Mprgp::step() {
   const bool down = fresh_;
   fresh_ = false;
   product(direction_, product_);
-  const Course course = fold_blocks<Course>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    Course part;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double d = direction_[i];
-      part.curvature += d * product_[i];
-      part.slope += d * gradient_[i];
-      if (d > 0 && bounded_[i]) part.feasible = std::min(part.feasible, x[i] / d);
-    }
-    return part;
+  const auto [curvature, slope] = sum_of<2>(x.size(), threads_, [&](std::size_t i, auto& sum) {
+    const double d = direction_[i];
+    sum[0] += d * product_[i];
+    sum[1] += d * gradient_[i];
   });
-  if (!(course.curvature > 0) || !(course.slope > 0)) {
+  if (!(curvature > 0) || !(slope > 0)) {
     fresh_ = true;
     return !down;  // nothing is gained down the gradient either
   }
-  curvature_ = course.curvature;
-  const double alpha = course.slope / course.curvature;
-  if (alpha <= course.feasible) {
-    subtract(alpha);
-    return true;
-  }
+  curvature_ = curvature;
+  const double alpha = slope / curvature;
   const float a = static_cast<float>(alpha);
-  const auto [cut] = sum_blocks<1>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i)
-      if (bounded_[i]) sum += diagonal_[i] * std::max(a * direction_[i] - x[i], 0.f);
-    return std::array<double, 1>{sum};
+  const auto [cut] = sum_of<1>(x.size(), threads_, [&](std::size_t i, auto& sum) {
+    if (bounded_[i]) sum[0] += diagonal_[i] * std::max(a * direction_[i] - x[i], 0.f);
   });
-  if (program_->negligible(cut)) {
-    ++report_.expansions;
-    subtract(alpha);
-    stale_ = true;
+  const bool meets_bound = cut > 0;
+  report_.expansions += meets_bound;
+  if (meets_bound && !program_->negligible(cut)) {
+    expand(alpha);
   } else {
-    expand(alpha, course.feasible);
+    subtract(alpha);
+    stale_ |= meets_bound;
   }
   return true;
 }
@@ -159,22 +135,17 @@ void Mprgp::subtract(double alpha) {
 /// The whole conjugate step, cut off at the bounds, is kept if it lowers the energy; cutting off pressures of a light
 /// body leaves a force that may do anything. Else a step to the bound and a short one down the gradient, which always
 /// does.
-void Mprgp::expand(double alpha, double feasible) {
+void Mprgp::expand(double alpha) {
   std::vector<float>& x = *x_;
-  ++report_.expansions;
   fresh_ = true;
   const float a = static_cast<float>(alpha);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) trial_[i] = clamp(i, x[i] - a * direction_[i]);
   });
   product(trial_, trial_gradient_);
-  const auto [change] = sum_blocks<1>(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      trial_gradient_[i] -= b_[i];
-      sum += (static_cast<double>(trial_[i]) - x[i]) * (static_cast<double>(trial_gradient_[i]) + gradient_[i]);
-    }
-    return std::array<double, 1>{sum};
+  const auto [change] = sum_of<1>(x.size(), threads_, [&](std::size_t i, auto& sum) {
+    trial_gradient_[i] -= b_[i];
+    sum[0] += (static_cast<double>(trial_[i]) - x[i]) * (static_cast<double>(trial_gradient_[i]) + gradient_[i]);
   });
   if (change < 0) {
     stale_ = false;
@@ -183,13 +154,23 @@ void Mprgp::expand(double alpha, double feasible) {
     return;
   }
   ++report_.refused;
-  subtract(feasible);
+  subtract(longest_feasible());
   const float shortened = static_cast<float>(1.9 / norm_);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (free(i)) x[i] = clamp(i, x[i] - shortened * gradient_[i] / diagonal_[i]);
   });
   new_gradient();
+}
+
+/// The longest step along the direction that no bound cuts off.
+double Mprgp::longest_feasible() const {
+  return fold<Smallest>(x_->size(), threads_,
+                        [&](std::size_t i, Smallest& part) {
+                          const double d = direction_[i];
+                          if (d > 0 && bounded_[i]) part.of = std::min(part.of, (*x_)[i] / d);
+                        })
+      .of;
 }
 
 void Mprgp::new_gradient() {

@@ -53,7 +53,8 @@ class Mprgp {
   void split();     ///< gradient_ -> projected_, release_
   void redirect();  ///< direction_
   bool step();      ///< conjugate gradients, or expansion
-  void expand(double alpha, double feasible);
+  void expand(double alpha);
+  double longest_feasible() const;
   void subtract(double alpha);  ///< x -= alpha direction, gradient -= alpha A direction
   void new_gradient();          ///< from scratch: no rounding of many updates stays
   void product(std::span<const float> x, std::vector<float>& out);

@@ -18,31 +18,30 @@ void for_blocks(std::size_t n, int threads, Task&& task) {
   for (std::size_t b = 0; b < blocks; ++b) task(b * kSumBlock, std::min(n, (b + 1) * kSumBlock));
 }
 
-/// Sums, largest and smallest values: task(begin, end) returns those of a block, add(other) of Part joins two of them.
-template <class Part, class Task>
-Part fold_blocks(std::size_t n, int threads, Task&& task) {
-  const std::size_t blocks = (n + kSumBlock - 1) / kSumBlock;
-  std::vector<Part> part(blocks);
-#pragma omp parallel for num_threads(threads) schedule(static) if (n > kSerial)
-  for (std::size_t b = 0; b < blocks; ++b) part[b] = task(b * kSumBlock, std::min(n, (b + 1) * kSumBlock));
+/// Sums, largest and smallest values: add(i, part) adds entry i to the Part of its block, other.add of Part joins two.
+template <class Part, class Add>
+Part fold(std::size_t n, int threads, Add&& add) {
+  std::vector<Part> part((n + kSumBlock - 1) / kSumBlock);
+  for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
+    Part own{};
+    for (std::size_t i = begin; i < end; ++i) add(i, own);
+    part[begin / kSumBlock] = own;
+  });
   Part all{};
   for (const Part& one : part) all.add(one);
   return all;
 }
 
-template <std::size_t K>
-struct Sums {
-  std::array<double, K> of{};
-  void add(const Sums& other) {
-    for (std::size_t k = 0; k < K; ++k) of[k] += other.of[k];
-  }
-};
-
-/// Sums of K quantities: task(begin, end) returns those of a block.
-template <std::size_t K, class Task>
-std::array<double, K> sum_blocks(std::size_t n, int threads, Task&& task) {
-  return fold_blocks<Sums<K>>(n, threads, [&](std::size_t begin, std::size_t end) { return Sums<K>{task(begin, end)}; })
-      .of;
+/// Sums of K quantities: add(i, sum) adds those of entry i to an array of K.
+template <std::size_t K, class Add>
+std::array<double, K> sum_of(std::size_t n, int threads, Add&& add) {
+  struct Sums {
+    std::array<double, K> of{};
+    void add(const Sums& other) {
+      for (std::size_t k = 0; k < K; ++k) of[k] += other.of[k];
+    }
+  };
+  return fold<Sums>(n, threads, [&](std::size_t i, Sums& part) { add(i, part.of); }).of;
 }
 
 }  // namespace ballast::fluid

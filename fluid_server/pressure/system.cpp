@@ -49,11 +49,7 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
   const int threads = constants_->threads;
   yielding_.resize(n), right_.resize(n), bounded_.resize(n), softness_.resize(n), source_.resize(n);
   const double dt2 = dt_ * dt_;
-  const auto [trace] = sum_blocks<1>(n, threads, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t f = begin; f < end; ++f) sum += diagonal_[f] * dt2;
-    return std::array<double, 1>{sum};
-  });
+  const auto [trace] = sum_of<1>(n, threads, [&](std::size_t f, auto& sum) { sum[0] += diagonal_[f] * dt2; });
   mean_diagonal_ = trace / static_cast<double>(std::max<std::size_t>(n, 1));
   const float least = static_cast<float>(kYielding * mean_diagonal_);
   const float speed = kStiffer * constants_->sound_speed;

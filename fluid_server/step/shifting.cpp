@@ -17,6 +17,16 @@ constexpr float kSolid = 0.02f;  // share of solids in its surroundings that kee
 
 Vec3 velocity(const Record& r) { return {r.vx, r.vy, r.vz}; }
 
+/// How far particles move, m, and by how much all of them expand, m^3.
+struct Moved {
+  double dense = 0, all = 0, volume = 0;
+  float longest = 0;
+  void add(const Moved& other) {
+    dense += other.dense, all += other.all, volume += other.volume;
+    longest = std::max(longest, other.longest);
+  }
+};
+
 }  // namespace
 
 /// Pushes become moves.
@@ -38,17 +48,13 @@ void Shifting::limit_moves(const PassConstants& constants) {
 /// Mean move and mean velocity, weighted by how much a particle may move.
 Shifting::Frame Shifting::find_frame(const Neighbourhood& items, const ItemExtras& extras,
                                      const PassConstants& constants) const {
-  const auto sums = sum_blocks<7>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
-    std::array<double, 7> sum{};
-    for (std::size_t f = begin; f < end; ++f) {
-      const Unevenness& u = uneven_[f];
-      const std::uint32_t item = items.fluid_item[f];
-      const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
-      Vec3::Map(&sum[0]) += mass * Eigen::Vector3f::Map(u.push).cast<double>();
-      Vec3::Map(&sum[3]) += mass * u.share * velocity(items.record[item]);
-      sum[6] += mass * u.share;
-    }
-    return sum;
+  const auto sums = sum_of<7>(uneven_.size(), constants.threads, [&](std::size_t f, auto& sum) {
+    const Unevenness& u = uneven_[f];
+    const std::uint32_t item = items.fluid_item[f];
+    const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
+    Vec3::Map(&sum[0]) += mass * Eigen::Vector3f::Map(u.push).cast<double>();
+    Vec3::Map(&sum[3]) += mass * u.share * velocity(items.record[item]);
+    sum[6] += mass * u.share;
   });
   if (sums[6] <= 0) return {};
   return {Vec3::Map(&sums[0]) / sums[6], Vec3::Map(&sums[3]) / sums[6]};
@@ -58,22 +64,18 @@ Shifting::Frame Shifting::find_frame(const Neighbourhood& items, const ItemExtra
 /// velocity) x turn) from each keeps it, and the centre of mass, whatever the origin and the frame.
 Vec3 Shifting::find_turn(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                          const Frame& frame) const {
-  const auto sums = sum_blocks<9>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
-    std::array<double, 9> sum{};
-    for (std::size_t f = begin; f < end; ++f) {
-      const Unevenness& u = uneven_[f];
-      const std::uint32_t item = items.fluid_item[f];
-      const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
-      const Vec3 v = velocity(items.record[item]) - frame.velocity;
-      const Vec3 move = Eigen::Vector3f::Map(u.push).cast<double>() - u.share * frame.move;
-      Vec3::Map(&sum[0]) += mass * move.cross(v);
-      // |v|^2 I - v v^T, its upper triangle
-      const double w = mass * u.share;
-      sum[3] += w * (v[1] * v[1] + v[2] * v[2]), sum[4] += w * (v[0] * v[0] + v[2] * v[2]);
-      sum[5] += w * (v[0] * v[0] + v[1] * v[1]);
-      sum[6] -= w * v[0] * v[1], sum[7] -= w * v[0] * v[2], sum[8] -= w * v[1] * v[2];
-    }
-    return sum;
+  const auto sums = sum_of<9>(uneven_.size(), constants.threads, [&](std::size_t f, auto& sum) {
+    const Unevenness& u = uneven_[f];
+    const std::uint32_t item = items.fluid_item[f];
+    const double mass = static_cast<double>(extras.density_of(item)) * items.record[item].volume;
+    const Vec3 v = velocity(items.record[item]) - frame.velocity;
+    const Vec3 move = Eigen::Vector3f::Map(u.push).cast<double>() - u.share * frame.move;
+    Vec3::Map(&sum[0]) += mass * move.cross(v);
+    // |v|^2 I - v v^T, its upper triangle
+    const double w = mass * u.share;
+    sum[3] += w * (v[1] * v[1] + v[2] * v[2]), sum[4] += w * (v[0] * v[0] + v[2] * v[2]);
+    sum[5] += w * (v[0] * v[0] + v[1] * v[1]);
+    sum[6] -= w * v[0] * v[1], sum[7] -= w * v[0] * v[2], sum[8] -= w * v[1] * v[2];
   });
   Eigen::Matrix3d a;
   a << sums[3], sums[6], sums[7], sums[6], sums[4], sums[8], sums[7], sums[8], sums[5];
@@ -90,27 +92,21 @@ void Shifting::find(const Neighbourhood& items, const ItemExtras& extras, const 
     frame = find_frame(items, extras, constants);
     turn = find_turn(items, extras, constants, frame);
   }
-  std::vector<float> longest((uneven_.size() + kSumBlock - 1) / kSumBlock, 0.f);
-  const auto [dense, moved, volume] =
-      sum_blocks<3>(uneven_.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
-        std::array<double, 3> sum{};
-        for (std::size_t f = begin; f < end; ++f) {
-          Unevenness& u = uneven_[f];
-          const Record& own = items.record[items.fluid_item[f]];
-          auto move = Eigen::Vector3f::Map(u.push);
-          move -= (u.share * (frame.move + (velocity(own) - frame.velocity).cross(turn))).cast<float>();
-          // The sum over particles of V_i V_j (m_i - m_j).g r, pairs of particles taken together.
-          sum[0] += own.volume * move.dot(Eigen::Vector3f::Map(u.dense));
-          sum[1] += move.norm(), sum[2] += own.volume;
-          longest[begin / kSumBlock] = std::max(longest[begin / kSumBlock], move.norm());
-        }
-        return sum;
-      });
-  expansion_ = volume > 0 ? static_cast<float>(-dense / volume) : 0.f;
+  const auto found = fold<Moved>(uneven_.size(), constants.threads, [&](std::size_t f, Moved& part) {
+    Unevenness& u = uneven_[f];
+    const Record& own = items.record[items.fluid_item[f]];
+    auto move = Eigen::Vector3f::Map(u.push);
+    move -= (u.share * (frame.move + (velocity(own) - frame.velocity).cross(turn))).cast<float>();
+    // The sum over particles of V_i V_j (m_i - m_j).g r, pairs of particles taken together.
+    part.dense += own.volume * move.dot(Eigen::Vector3f::Map(u.dense));
+    part.all += move.norm(), part.volume += own.volume;
+    part.longest = std::max(part.longest, move.norm());
+  });
+  expansion_ = found.volume > 0 ? static_cast<float>(-found.dense / found.volume) : 0.f;
   ++report_.steps;
   if (uneven_.empty()) return;
-  report_.mean += moved / spacing_ / static_cast<double>(uneven_.size());
-  report_.largest = std::max<double>(report_.largest, *std::max_element(longest.begin(), longest.end()) / spacing_);
+  report_.mean += found.all / spacing_ / static_cast<double>(uneven_.size());
+  report_.largest = std::max(report_.largest, found.longest / spacing_);
 }
 
 }  // namespace ballast::fluid
