@@ -20,8 +20,8 @@ void Lists::end() {
   constexpr std::size_t kSpare = 512;                          // the next list may turn out long
   for (std::size_t chunk = 0; chunk < used.size(); ++chunk) {  // where more or other items were before
     auto& lists = buffer[chunk];
-    if (lists.size() <= used[chunk] + used[chunk] / 2 + kSpare) continue;
-    lists.resize(used[chunk] + used[chunk] / 8 + kSpare);
+    if (lists.size() <= used[chunk] + used[chunk] / 4 + kSpare) continue;
+    lists.resize(used[chunk] + used[chunk] / 16 + kSpare);
     lists.shrink_to_fit();
   }
   used_at_first = all_used();

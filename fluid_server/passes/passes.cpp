@@ -348,9 +348,11 @@ void weigh_samples(const Neighbourhood& items, std::span<const float> inverse_w,
     flow[item] = {0, 0, 0, items.record[item].volume};
     pairs.point[item].p = 0;
   }
-  pairs.active.clear();
+  resize_gently(pairs.active, static_cast<std::size_t>(std::count_if(inverse_w.begin(), inverse_w.end(),
+                                                                     [](float weight) { return weight > 0; })));
+  std::size_t found = 0;
   for (std::size_t s = 0; s < inverse_w.size(); ++s)
-    if (inverse_w[s] > 0) pairs.active.push_back({items.sample_item[s], inverse_w[s]});
+    if (inverse_w[s] > 0) pairs.active[found++] = {items.sample_item[s], inverse_w[s]};
   pairs.active_shares = shares_of(static_cast<std::uint32_t>(pairs.active.size()), threads,
                                   [&](std::uint32_t k) { return 4 + items.lists.cost(pairs.active[k].item); });
 }

@@ -49,9 +49,11 @@ float ImplicitPressure::source_of(float compression) const {
 
 void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExtras& extras,
                              const PassConstants& constants, std::span<const exchange::BodyState> states,
-                             Response& response, std::vector<SampleSums>& sums, const ImplicitOptions& options) {
+                             Response& response, std::vector<SampleSums>& sums, std::vector<float>& acceleration,
+                             const ImplicitOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   particles_ = &particles, items_ = &items, extras_ = &extras, constants_ = &constants, options_ = options;
+  acceleration_ = &acceleration;
   dt_ = constants.dt;
   const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kLongestImplicitMove * spacing_));
   pace_ = static_cast<float>(pace * pace);
@@ -80,7 +82,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   set_up(particles, states, response, sums);
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const float borne = softness_[f] * pressure_[f];
+      const float borne = softness(f) * pressure_[f];
       source_[f] = borne + source_of(particles.compression[f] - borne);
     }
   });
@@ -89,7 +91,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float volume = particles.record[f].volume;
-      particles.compression[f] += softness_[f] * pressure_[f] - source_[f] - left_[f] / volume;
+      particles.compression[f] += softness(f) * pressure_[f] - source_[f] - left_[f] / volume;
       particles.record[f].p = items.record[items.fluid_item[f]].p = pressure_[f];
     }
   });
@@ -131,16 +133,17 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
 /// extrapolates therefore counts as far as the particles that it sees lie inside the fluid.
 void ImplicitPressure::find_shares() {
   constexpr float kOutside = 0.7f, kWithin = 0.85f;  // fullness of a particle that lies not at all, fully inside
-  constexpr float kNone = 0.5f, kAll = 0.9f;         // share of such particles with which a sample counts not, fully
+  constexpr float kFew = 0.5f, kMany = 0.9f;         // share of such particles with which a sample counts not, fully
   const std::size_t n = particles_->size();
-  inside_.resize(n);
+  std::vector<float>& inside = divergence_;  // not yet known
+  inside.resize(n);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
-      inside_[f] = std::clamp((rows_[f].fullness - kOutside) / (kWithin - kOutside), 0.f, 1.f);
+      inside[f] = std::clamp((rows_[f].fullness - kOutside) / (kWithin - kOutside), 0.f, 1.f);
   });
-  average_onto_samples(*items_, *constants_, pairs_, inside_, share_);
+  average_onto_samples(*items_, *constants_, pairs_, inside, share_);
   for_blocks(share_.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) share_[s] = std::clamp((share_[s] - kNone) / (kAll - kNone), 0.f, 1.f);
+    for (std::size_t s = begin; s < end; ++s) share_[s] = std::clamp((share_[s] - kFew) / (kMany - kFew), 0.f, 1.f);
   });
 }
 
@@ -304,11 +307,12 @@ bool ImplicitPressure::correct_bodies() {
 }
 
 std::size_t ImplicitPressure::memory() const {
-  const auto floats = inverse_w_.capacity() + yielding_.capacity() + diagonal_.capacity() + right_.capacity() +
-                      pressure_.capacity() + divergence_.capacity() + acceleration_.capacity() + softness_.capacity() +
-                      source_.capacity() + scaled_.capacity() + 7 * pressure_.capacity();
-  return floats * sizeof(float) + pairs_.memory() + rows_.capacity() * sizeof(RowSums) +
-         flow_.capacity() * sizeof(Flow) + bodies_.memory();
+  std::size_t floats = 0;
+  for (const auto* array :
+       {&share_, &source_, &inverse_w_, &yielding_, &diagonal_, &right_, &pressure_, &divergence_, &scaled_, &last_})
+    floats += array->capacity();
+  return floats * sizeof(float) + mprgp_.memory() + pairs_.memory() + rows_.capacity() * sizeof(RowSums) +
+         bounded_.capacity() + flow_.capacity() * sizeof(Flow) + bodies_.memory();
 }
 
 }  // namespace ballast::fluid

@@ -43,12 +43,12 @@ class ImplicitPressure : private QuadraticProgram {
  public:
   ImplicitPressure(const Samples& samples, double spacing) : samples_(samples), spacing_(spacing) {}
 
-  /// Lists are built; `sums` and the samples' pressures are scratch. Finds the pressure of every particle into its
-  /// record and its item's, and advances `particles.compression`. The caller then lets `response` work as for any
-  /// pressure.
+  /// Lists are built; `sums`, `acceleration` and the samples' pressures are scratch. Finds the pressure of every
+  /// particle into its record and its item's, and advances `particles.compression`. The caller then lets `response`
+  /// work as for any pressure.
   void solve(Particles& particles, Neighbourhood& items, ItemExtras& extras, const PassConstants& constants,
              std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums,
-             const ImplicitOptions& options);
+             std::vector<float>& acceleration, const ImplicitOptions& options);
 
   /// By what a sample's share of the particles' pressure is scaled, into the sums of gather_samples: for the forces of
   /// the pressure that was found, which the solve itself has scaled.
@@ -76,6 +76,7 @@ class ImplicitPressure : private QuadraticProgram {
   void without_pressure(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
   MprgpReport find_pressure(const Particles& particles);
   float source_of(float compression) const;
+  float softness(std::size_t f) const;
   void find_shares();
   void balance_closed(const Particles& particles);
   void correct_compression(Particles& particles);
@@ -94,6 +95,7 @@ class ImplicitPressure : private QuadraticProgram {
   Neighbourhood* items_ = nullptr;
   ItemExtras* extras_ = nullptr;
   const PassConstants* constants_ = nullptr;
+  std::vector<float>* acceleration_ = nullptr;  // of the particles without pressure
   ImplicitOptions options_;
   double dt_ = 0, reference_ = 0;  // acceleration that a change of a body's is compared with
   bool weighs_ = false;            // the fluid has gravity
@@ -104,10 +106,10 @@ class ImplicitPressure : private QuadraticProgram {
   BodyRows bodies_;
   std::vector<RowSums> rows_;
   KeptPairs pairs_;
-  double uniform_ = 0;                    // weight of a uniform pressure: balance_closed
-  std::vector<float> inside_, share_;     // find_shares
-  std::vector<float> softness_, source_;  // compression that a unit of pressure bears, that a step takes back
-  std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_, acceleration_;
+  double uniform_ = 0;         // weight of a uniform pressure: balance_closed
+  std::vector<float> share_;   // find_shares
+  std::vector<float> source_;  // compression that a step takes back
+  std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_;
   std::vector<std::uint8_t> bounded_;
   std::vector<Flow> flow_;
   std::vector<float> scaled_;

@@ -28,8 +28,7 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   norm_ = norm;
   threads_ = threads;
   report_ = {};
-  for (auto* v : {&gradient_, &projected_, &direction_, &product_, &preconditioned_, &trial_, &trial_gradient_})
-    v->resize(x.size());
+  for (auto* v : {&gradient_, &projected_, &direction_, &product_, &preconditioned_}) v->resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (bounded_[i]) x[i] = std::max(x[i], 0.f);
   new_gradient();
@@ -71,10 +70,11 @@ void Mprgp::split() {
 /// anew.
 void Mprgp::redirect() {
   const std::size_t n = x_->size();
+  std::vector<float>& of_moving = projected_;  // done with until the next split
   for_blocks(n, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) trial_[i] = moves(i) ? gradient_[i] : 0.f;
+    for (std::size_t i = begin; i < end; ++i) of_moving[i] = moves(i) ? gradient_[i] : 0.f;
   });
-  program_->precondition(trial_, preconditioned_);
+  program_->precondition(of_moving, preconditioned_);
   const auto [along] = sum_of<1>(n, threads_, [&](std::size_t i, auto& sum) {
     preconditioned_[i] = moves(i) ? preconditioned_[i] : 0.f;
     sum[0] += static_cast<double>(preconditioned_[i]) * product_[i];
@@ -138,19 +138,20 @@ void Mprgp::subtract(double alpha) {
 void Mprgp::expand(double alpha) {
   std::vector<float>& x = *x_;
   fresh_ = true;
+  std::vector<float>&trial = projected_, &trial_gradient = preconditioned_;  // done with until the next split
   const float a = static_cast<float>(alpha);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) trial_[i] = clamp(i, x[i] - a * direction_[i]);
+    for (std::size_t i = begin; i < end; ++i) trial[i] = clamp(i, x[i] - a * direction_[i]);
   });
-  product(trial_, trial_gradient_);
+  product(trial, trial_gradient);
   const auto [change] = sum_of<1>(x.size(), threads_, [&](std::size_t i, auto& sum) {
-    trial_gradient_[i] -= b_[i];
-    sum[0] += (static_cast<double>(trial_[i]) - x[i]) * (static_cast<double>(trial_gradient_[i]) + gradient_[i]);
+    trial_gradient[i] -= b_[i];
+    sum[0] += (static_cast<double>(trial[i]) - x[i]) * (static_cast<double>(trial_gradient[i]) + gradient_[i]);
   });
   if (change < 0) {
     stale_ = false;
-    std::swap(x, trial_);
-    std::swap(gradient_, trial_gradient_);
+    std::swap(x, trial);
+    std::swap(gradient_, trial_gradient);
     return;
   }
   ++report_.refused;
@@ -179,6 +180,12 @@ void Mprgp::new_gradient() {
   for_blocks(gradient_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) gradient_[i] -= b_[i];
   });
+}
+
+std::size_t Mprgp::memory() const {
+  std::size_t floats = 0;
+  for (const auto* v : {&gradient_, &projected_, &direction_, &product_, &preconditioned_}) floats += v->capacity();
+  return floats * sizeof(float);
 }
 
 void Mprgp::product(std::span<const float> x, std::vector<float>& out) {

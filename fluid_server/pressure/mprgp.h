@@ -45,6 +45,7 @@ class Mprgp {
                     int threads);
   /// A x - b at the result.
   std::span<const float> gradient() const { return gradient_; }
+  std::size_t memory() const;  ///< bytes of its arrays
 
  private:
   bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
@@ -70,7 +71,7 @@ class Mprgp {
   bool release_ = false;  // clamped entries that want to grow take part in the step
   bool stale_ = false;    // the gradient misses what negligible cuts changed
   MprgpReport report_;
-  std::vector<float> gradient_, projected_, direction_, product_, preconditioned_, trial_, trial_gradient_;
+  std::vector<float> gradient_, projected_, direction_, product_, preconditioned_;
 };
 
 }  // namespace ballast::fluid

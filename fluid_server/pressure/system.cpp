@@ -27,7 +27,7 @@ void ImplicitPressure::without_pressure(std::span<const exchange::BodyState> sta
   gather_samples(*items_, *extras_, *constants_, sums);
   scale(sums);
   response.solve(*items_, *extras_, sums, *constants_, states, Scheme::kLeftOut, Films::kStay);
-  accelerate(*items_, *extras_, *constants_, acceleration_);
+  accelerate(*items_, *extras_, *constants_, *acceleration_);
   inverse_w_.resize(sums.size());
   for_blocks(sums.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) inverse_w_[s] = sums[s].w > 0 ? share_[s] / sums[s].w : 0.f;
@@ -47,21 +47,25 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
 
   const std::size_t n = particles.size();
   const int threads = constants_->threads;
-  yielding_.resize(n), right_.resize(n), bounded_.resize(n), softness_.resize(n), source_.resize(n);
+  yielding_.resize(n), right_.resize(n), bounded_.resize(n), source_.resize(n);
   const double dt2 = dt_ * dt_;
   const auto [trace] = sum_of<1>(n, threads, [&](std::size_t f, auto& sum) { sum[0] += diagonal_[f] * dt2; });
   mean_diagonal_ = trace / static_cast<double>(std::max<std::size_t>(n, 1));
   const float least = static_cast<float>(kYielding * mean_diagonal_);
-  const float speed = kStiffer * constants_->sound_speed;
   for_blocks(n, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const float diagonal = static_cast<float>(diagonal_[f] * dt2);
-      softness_[f] = 1 / (extras.density_of(items.fluid_item[f]) * speed * speed);
-      yielding_[f] = std::max(least - diagonal, 0.f) + particles.record[f].volume * softness_[f];
+      yielding_[f] = std::max(least - diagonal, 0.f) + particles.record[f].volume * softness(f);
       diagonal_[f] = diagonal + yielding_[f];
       bounded_[f] = rows_[f].fullness < kInside;
     }
   });
+}
+
+/// Compression that a unit of pressure bears, 1/Pa.
+float ImplicitPressure::softness(std::size_t f) const {
+  const float speed = kStiffer * constants_->sound_speed;
+  return 1 / (extras_->density_of(items_->fluid_item[f]) * speed * speed);
 }
 
 /// Velocities at the end of the step without the fluid's pressure.
@@ -72,7 +76,7 @@ void ImplicitPressure::predict(std::span<const exchange::BodyState> states, cons
   for_blocks(items.fluid_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Record& r = items.record[items.fluid_item[f]];
-      const float* a = &acceleration_[3 * f];
+      const float* a = &(*acceleration_)[3 * f];
       flow_[items.fluid_item[f]] = {r.vx + dt * a[0], r.vy + dt * a[1], r.vz + dt * a[2], r.volume};
     }
   });
@@ -128,7 +132,7 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
   for (report_.release_rounds = 1;; ++report_.release_rounds) {
     last_ = pressure_;
     for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) source_[f] = softness_[f] * pressure_[f];
+      for (std::size_t f = begin; f < end; ++f) source_[f] = softness(f) * pressure_[f];
     });
     find_pressure(particles);
     float change = 0, largest = 0;
@@ -139,7 +143,7 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
     report_.release_change = largest > 0 ? static_cast<double>(change) / largest : 0;
     if (report_.release_change < kSettled || report_.release_rounds == kMostRounds) break;
   }
-  for (std::size_t f = 0; f < n; ++f) particles.compression[f] += softness_[f] * pressure_[f];
+  for (std::size_t f = 0; f < n; ++f) particles.compression[f] += softness(f) * pressure_[f];
   last_ = {};
   at_release_ = false;
   options_ = options, dt_ = dt, constants_ = usual;

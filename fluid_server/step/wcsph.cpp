@@ -92,7 +92,8 @@ void WcsphFluid::put_back() {
 void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   if (implicit_) {
     const AddingWatch watch(times_.pressure);
-    implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, implicit_options_);
+    implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, acceleration_,
+                     implicit_options_);
   }
   const AddingWatch watch(times_.boundary);
   gather_samples(*items_, extras_, constants_, sums_);
