@@ -380,7 +380,9 @@ StepLimits step_limits(const Scene& scene, const std::vector<Body>& bodies, cons
     limits.implicit = true;
     limits.spacing = fluid.spacing();
     limits.gravity_step = gravity_step(scene);
-    if (fluid.shifting()) limits.longest_move = kLongestShiftedMove;
+    const double move = settings_of(scene.world.accuracy).longest_move;
+    limits.longest_move = fluid.shifting() ? kLongestShiftedMove : move;
+    limits.most_move = kBeyondForetold * move;
   }
   if (scene.numerics.courant > 0) limits.courant = scene.numerics.courant;
   if (fluid.scheme() == Scheme::kStaggered) limits.staggered = staggered_bound(scene, bodies, fluid);

@@ -125,11 +125,12 @@ class Server {
   Status compute(Step& step, std::uint32_t& iteration, double end) {
     for (std::uint32_t retry = 0;; ++iteration, ++retry) {
       if (auto s = try_step(step, iteration, end); !s) return s;
-      if (fluid_->facts().max_move <= kLongestMove || retry == kRetries) break;
+      const double most = limits_.most_move;
+      if (fluid_->facts().max_move <= most || retry == kRetries) break;
       // Something was faster than the last step foretold: do the step again, shorter.
       fluid_->roll_back();
       states_ = states_before_;
-      step = {step.dt * 0.5 * kLongestMove / std::min(fluid_->facts().max_move + kLongestMove, 1.0), Limit::kRetry};
+      step = {step.dt * 0.5 * most / std::min(fluid_->facts().max_move + most, 1.0), Limit::kRetry};
     }
     ++step_;
     time_ += step.dt;
@@ -328,7 +329,6 @@ class Server {
     return error;
   }
 
-  static constexpr double kLongestMove = 0.5;  // spacings a particle may move in a step
   static constexpr std::uint32_t kRetries = 8;
   static constexpr double kMostDrag = 1.2;  // of the body's speed that viscosity may take in a step
 

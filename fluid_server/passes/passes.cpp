@@ -176,17 +176,17 @@ void ApplyAll(const Neighbourhood& items, const ItemExtras& extras, const PassCo
               [&](std::uint32_t f) { out[f] = products.volume_divergence(items.fluid_item[f], pairs.sum[f], flow); });
 }
 
-/// Fluxes of the samples into their p, then the divergence at every particle.
+/// Fluxes of the samples into their p, then the divergence and Q at every particle.
 template <int Dim, KernelKind K>
 void DivergeAll(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
-                float* out) {
+                float* out, float* invariant) {
   const Rows<Dim, K> rows(items, ItemExtras{}, constants);
   for_each_in(items.sample_shares, constants.threads, [&](std::uint32_t s) {
     const std::uint32_t item = items.sample_item[s];
     if (inverse_w[s] > 0) items.record[item].p = rows.sample_flux(item, inverse_w[s], flow);
   });
   for_each_in(items.fluid_shares, constants.threads,
-              [&](std::uint32_t f) { out[f] = rows.volume_divergence(items.fluid_item[f], flow); });
+              [&](std::uint32_t f) { out[f] = rows.volume_divergence(items.fluid_item[f], flow, invariant[f]); });
 }
 
 /// Calls what<Dim, K> for the kernel in use.
@@ -238,9 +238,9 @@ void Apply(const Neighbourhood& items, const ItemExtras& extras, const PassConst
   const auto apply = constants.kernel.dimension == 2 ? ApplyAll<2> : ApplyAll<3>;
   apply(items, extras, constants, pairs, x, flow, out);
 }
-void Diverge(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow,
-             float* out) {
-  BALLAST_BY_KERNEL(DivergeAll, constants.kernel, items, constants, inverse_w, flow, out);
+void Diverge(Neighbourhood& items, const PassConstants& constants, const float* inverse_w, const Flow* flow, float* out,
+             float* invariant) {
+  BALLAST_BY_KERNEL(DivergeAll, constants.kernel, items, constants, inverse_w, flow, out, invariant);
 }
 void Average(const Neighbourhood& items, const PassConstants& constants, KeptPairs& pairs, const float* x, float* out) {
   const auto average = constants.kernel.dimension == 2 ? AverageAll<2> : AverageAll<3>;
@@ -367,9 +367,10 @@ void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const 
   HWY_DYNAMIC_DISPATCH(Apply)(items, extras, constants, pairs, x.data(), flow.data(), out.data());
 }
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
-                      const std::vector<Flow>& flow, std::vector<float>& out) {
+                      const std::vector<Flow>& flow, std::vector<float>& out, std::vector<float>& invariant) {
   out.resize(items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Diverge)(items, constants, inverse_w.data(), flow.data(), out.data());
+  invariant.resize(items.fluid_item.size());
+  HWY_DYNAMIC_DISPATCH(Diverge)(items, constants, inverse_w.data(), flow.data(), out.data(), invariant.data());
 }
 const char* simd_name() { return HWY_DYNAMIC_DISPATCH(Name)(); }
 

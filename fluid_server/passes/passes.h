@@ -201,8 +201,11 @@ void apply_pressure(const Neighbourhood& items, const ItemExtras& extras, const 
                     KeptPairs& pairs, std::span<const float> x, std::vector<Flow>& flow, std::vector<float>& out);
 
 /// out = G^T v for the velocities in `flow`, those of the samples included: volume times divergence, per particle.
+/// invariant = Q, 1/s^2, the second invariant of the velocity gradient (negative where strain rules, positive where
+/// rotation does): -tr(L L) / 2 with L = sum V_j (v_j - v_i) g r over particles alone, over their part of the
+/// surroundings (-sum V_j g r^2 / dimension), less a third (2-D: half) of its trace on the diagonal.
 void apply_divergence(Neighbourhood& items, const PassConstants& constants, const std::vector<float>& inverse_w,
-                      const std::vector<Flow>& flow, std::vector<float>& out);
+                      const std::vector<Flow>& flow, std::vector<float>& out, std::vector<float>& invariant);
 
 /// Name of the instruction set in use, for the record.
 const char* simd_name();

@@ -77,20 +77,39 @@ class Rows {
     return -own.volume * inverse_w * total(flux);
   }
 
-  /// -V_i [ sum V_j g r.(v_i - v_j) + sum_b W_ib flux_b ], fluxes in p of the samples.
-  HWY_INLINE float volume_divergence(std::uint32_t item, const Flow* flow) const {
+  /// -V_i [ sum V_j g r.(v_i - v_j) + sum_b W_ib flux_b ], fluxes in p of the samples; and Q of the fluid around.
+  HWY_INLINE float volume_divergence(std::uint32_t item, const Flow* flow, float& invariant) const {
     const F d;
     const Flow& own = flow[item];
-    VF sum = hn::Zero(d);
+    const VF zero = hn::Zero(d);
+    VF sum = zero, full = zero;
+    VF xx = zero, xy = zero, xz = zero, yx = zero, yy = zero, yz = zero, zx = zero, zy = zero, zz = zero;
     pairs_.for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
+      const VF vg = hn::Mul(hn::Max(motion.d, zero), r.slope);
+      const VF vx = hn::Sub(motion.a, hn::Set(d, own.x)), vz = hn::Sub(motion.c, hn::Set(d, own.z));
+      const VF gx = hn::Mul(vg, r.x), gz = hn::Mul(vg, r.z);
+      full = hn::NegMulAdd(vg, r.r2, full);
+      xx = hn::MulAdd(gx, vx, xx), xz = hn::MulAdd(gx, vz, xz);
+      zx = hn::MulAdd(gz, vx, zx), zz = hn::MulAdd(gz, vz, zz);
+      if constexpr (Dim == 3) {
+        const VF vy = hn::Sub(motion.b, hn::Set(d, own.y)), gy = hn::Mul(vg, r.y);
+        xy = hn::MulAdd(gx, vy, xy), zy = hn::MulAdd(gz, vy, zy);
+        yx = hn::MulAdd(gy, vx, yx), yy = hn::MulAdd(gy, vy, yy), yz = hn::MulAdd(gy, vz, yz);
+      }
       sum = hn::MulAdd(hn::Mul(hn::Abs(motion.d), r.slope), closing(own, r, motion), sum);
       const auto sample = hn::Lt(motion.d, hn::Zero(d));
       if (!hn::AllFalse(d, sample)) sum = hn::Add(sum, hn::IfThenElseZero(sample, hn::Mul(r.p, pairs_.value(r.r2))));
     });
+    const float around = std::max(total(full) / Dim, kLeastAround), x = total(xx), y = total(yy), z = total(zz);
+    const float square =
+        x * x + y * y + z * z + 2 * (total(xy) * total(yx) + total(xz) * total(zx) + total(yz) * total(zy));
+    invariant = -0.5f * (square - (x + y + z) * (x + y + z) / Dim) / (around * around);
     return -own.volume * total(sum);
   }
 
  private:
+  static constexpr float kLeastAround = 0.3f;  // fullness by which a gradient is corrected for what solids take up
+
   /// r.(v_i - v_j)
   HWY_INLINE VF closing(const Flow& own, const Pair& r, const Quad& motion) const {
     const F d;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "fluid_server/pressure/sums.h"
-#include "fluid_server/step/step_control.h"
 
 namespace ballast::fluid {
 
@@ -19,10 +18,12 @@ constexpr float kGentle = 0.2f;      // share of that much compression that a st
 constexpr float kMost = 0.02f;       // beyond kNoise, that a step takes back
 // Of the sound speed: the speed that the scene foretells. From there on corrections do not get faster.
 constexpr double kFast = 0.1;
-constexpr float kPull = 0.05f;    // of the compression to the summed density, per step, inside the fluid
-constexpr float kSpray = 0.5f;    // fullness of what is spray
-constexpr float kWorst = 1e-2f;   // density error that a step may leave in any particle
-constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
+constexpr double kFullMove = 0.4;  // spacings at that speed, in a step that takes back in full
+constexpr float kPull = 0.05f;     // of the compression to the summed density, per step, inside the fluid
+constexpr float kSpray = 0.5f;     // fullness of what is spray
+constexpr float kWorst = 1e-2f;    // density error that a step may leave in any particle
+constexpr double kFelt = 0.5;      // of what a body's acceleration may change, that cut off pressures may change it by
+constexpr double kLoosest = 0.1;   // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
 /// The error of the density that a gradient stands for: its sum and the whole volume, m^3, and the largest as a share
 /// of a particle's volume.
@@ -55,7 +56,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   particles_ = &particles, items_ = &items, extras_ = &extras, constants_ = &constants, options_ = options;
   acceleration_ = &acceleration;
   dt_ = constants.dt;
-  const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kLongestImplicitMove * spacing_));
+  const double pace = std::min(1.0, dt_ * kFast * constants.sound_speed / (kFullMove * spacing_));
   pace_ = static_cast<float>(pace * pace);
   const double gravity = std::hypot(constants.gravity[0], constants.gravity[1], constants.gravity[2]);
   const double foretold = kFast * constants.sound_speed;
@@ -258,6 +259,15 @@ bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gra
   if (!density || history_.size() <= options_.body_products) return false;
   for (std::size_t b = 0; b < foreseen_.size(); ++b)
     if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > allowed(b)) return false;
+  return true;
+}
+
+/// True if bodies hardly feel what was cut off: by less than half of what their accelerations may still change.
+bool ImplicitPressure::harmless(std::span<const float> cut) {
+  if (bodies_.empty()) return true;
+  bodies_.reduce(cut, reduced_);
+  for (std::size_t b = 0; b < reduced_.size(); ++b)
+    if (bodies_.motion(b, reduced_[b]).head<3>().norm() / dt_ > kFelt * allowed(b)) return false;
   return true;
 }
 

@@ -66,7 +66,8 @@ class ImplicitPressure : private QuadraticProgram {
   void multiply(std::span<const float> x, std::vector<float>& out) override;
   void precondition(std::span<const float> r, std::vector<float>& out) override;
   bool good(std::span<const float> x, std::span<const float> gradient) override;
-  bool negligible(double cut) const override { return cut <= kNegligible * options_.tolerance * volume_; }
+  bool harmless(std::span<const float> cut) override;
+  bool negligible(double beyond) const override { return beyond <= kNegligible * options_.tolerance * volume_; }
 
   void set_up(const Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
               const std::vector<SampleSums>& sums);
@@ -80,6 +81,7 @@ class ImplicitPressure : private QuadraticProgram {
   void find_shares();
   void balance_closed(const Particles& particles);
   void correct_compression(Particles& particles);
+  void add_second_order(const Particles& particles, std::span<const float> invariant);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
   double slowest_wave(const Particles& particles) const;

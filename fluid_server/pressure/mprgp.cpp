@@ -36,8 +36,8 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   for (;;) {
     split();
     if (program.good(x, projected_)) {
-      report_.converged = !stale_;
-      if (!stale_) break;
+      report_.converged = cut_off();
+      if (report_.converged) break;
       new_gradient();
       fresh_ = true;
       continue;
@@ -46,7 +46,19 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
     report_.proportionings += release_;
     if (!step()) break;  // nothing left to gain in this precision
   }
+  cut_off();
   return report_;
+}
+
+bool Mprgp::cut_off() {
+  std::vector<float>&x = *x_, &cut = direction_;  // done with
+  for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      cut[i] = clamp(i, x[i]) - x[i];
+      x[i] = clamp(i, x[i]);
+    }
+  });
+  return program_->harmless(cut);
 }
 
 /// The gradient as far as x may follow it. Clamped entries take part in the next step if what they want to grow
@@ -67,7 +79,7 @@ void Mprgp::split() {
 }
 
 /// The direction of the next step: down the gradient of what moves, and conjugate to the last one unless it starts
-/// anew.
+/// anew. What is at its bound, or beyond, stays.
 void Mprgp::redirect() {
   const std::size_t n = x_->size();
   std::vector<float>& of_moving = projected_;  // done with until the next split
@@ -85,7 +97,8 @@ void Mprgp::redirect() {
   }
   const float keep = static_cast<float>(along / curvature_);
   for_blocks(n, threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) direction_[i] = preconditioned_[i] - keep * direction_[i];
+    for (std::size_t i = begin; i < end; ++i)
+      direction_[i] = moves(i) ? preconditioned_[i] - keep * direction_[i] : 0.f;
   });
 }
 
@@ -112,12 +125,10 @@ bool Mprgp::step() {
   });
   const bool meets_bound = cut > 0;
   report_.expansions += meets_bound;
-  if (meets_bound && !program_->negligible(cut)) {
+  if (meets_bound && !program_->negligible(cut))
     expand(alpha);
-  } else {
+  else
     subtract(alpha);
-    stale_ |= meets_bound;
-  }
   return true;
 }
 
@@ -126,7 +137,7 @@ void Mprgp::subtract(double alpha) {
   const float a = static_cast<float>(alpha);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      x[i] = clamp(i, x[i] - a * direction_[i]);
+      x[i] -= a * direction_[i];
       gradient_[i] -= a * product_[i];
     }
   });
@@ -149,33 +160,31 @@ void Mprgp::expand(double alpha) {
     sum[0] += (static_cast<double>(trial[i]) - x[i]) * (static_cast<double>(trial_gradient[i]) + gradient_[i]);
   });
   if (change < 0) {
-    stale_ = false;
     std::swap(x, trial);
     std::swap(gradient_, trial_gradient);
     return;
   }
   ++report_.refused;
-  subtract(longest_feasible());
+  subtract(std::min(alpha, longest_feasible()));
   const float shortened = static_cast<float>(1.9 / norm_);
   for_blocks(x.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (free(i)) x[i] = clamp(i, x[i] - shortened * gradient_[i] / diagonal_[i]);
+      x[i] = clamp(i, free(i) ? x[i] - shortened * gradient_[i] / diagonal_[i] : x[i]);
   });
   new_gradient();
 }
 
-/// The longest step along the direction that no bound cuts off.
+/// The longest step along the direction that no bound cuts off; none where an entry is beyond its own.
 double Mprgp::longest_feasible() const {
   return fold<Smallest>(x_->size(), threads_,
                         [&](std::size_t i, Smallest& part) {
                           const double d = direction_[i];
-                          if (d > 0 && bounded_[i]) part.of = std::min(part.of, (*x_)[i] / d);
+                          if (d > 0 && bounded_[i]) part.of = std::min(part.of, std::max((*x_)[i], 0.f) / d);
                         })
       .of;
 }
 
 void Mprgp::new_gradient() {
-  stale_ = false;
   product(*x_, gradient_);
   for_blocks(gradient_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) gradient_[i] -= b_[i];

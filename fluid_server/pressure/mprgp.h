@@ -2,7 +2,8 @@
 // Schoeberl 2005): minimise x.A x / 2 - b.x with x >= 0 for the entries that are bounded, A symmetric positive
 // semidefinite and known by its products. Conjugate gradients on the entries that are free (x > 0), joined by those of
 // the clamped that want to grow when their gradient dominates (proportioning); expansion when a step would leave the
-// bounds by more than is negligible.
+// bounds by more than is negligible. What is left of them by less is cut off at the end only:
+// cut off on the way, it would cost a gradient of its own every time.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -19,11 +20,13 @@ class QuadraticProgram {
   virtual void multiply(std::span<const float> x, std::vector<float>& out) = 0;
   /// out = (approximate inverse of A) r, symmetric positive definite.
   virtual void precondition(std::span<const float> r, std::vector<float>& out) = 0;
-  /// True if x is good enough (asked again with an exact gradient before the end). `gradient` is that of the free
-  /// entries, and the negative part of that of the clamped ones: zero at the solution. True if an error of this size,
-  /// the sum of |A_ii| times how far entries were cut off at their bounds, does not matter beside what good() asks for:
-  /// the gradient is then not computed anew.
-  virtual bool negligible(double cut) const = 0;
+  /// True if an error of this size, the sum of A_ii times how far entries are beyond their bounds, does not matter
+  /// beside what good() asks for.
+  virtual bool negligible(double beyond) const = 0;
+  /// True if what is cut off at the end, `cut` >= 0 of every entry, does not matter either.
+  virtual bool harmless(std::span<const float> cut) = 0;
+  /// True if x is good enough. `gradient` is that of the free entries, and the negative part of that of the clamped
+  /// ones: zero at the solution.
   virtual bool good(std::span<const float> x, std::span<const float> gradient) = 0;
 };
 
@@ -43,7 +46,7 @@ class Mprgp {
   MprgpReport solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
                     std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
                     int threads);
-  /// A x - b at the result.
+  /// A x - b at the result, before what does not matter was cut off.
   std::span<const float> gradient() const { return gradient_; }
   std::size_t memory() const;  ///< bytes of its arrays
 
@@ -51,6 +54,7 @@ class Mprgp {
   bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
   bool moves(std::size_t i) const { return free(i) || (release_ && gradient_[i] < 0); }
   float clamp(std::size_t i, float value) const { return bounded_[i] ? std::max(value, 0.f) : value; }
+  bool cut_off();   ///< x to its bounds; false if that matters
   void split();     ///< gradient_ -> projected_, release_
   void redirect();  ///< direction_
   bool step();      ///< conjugate gradients, or expansion
@@ -69,7 +73,6 @@ class Mprgp {
   int threads_ = 1;
   bool fresh_ = true;     // the direction is to start anew
   bool release_ = false;  // clamped entries that want to grow take part in the step
-  bool stale_ = false;    // the gradient misses what negligible cuts changed
   MprgpReport report_;
   std::vector<float> gradient_, projected_, direction_, product_, preconditioned_;
 };

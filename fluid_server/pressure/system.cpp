@@ -40,7 +40,9 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
   Neighbourhood& items = *items_;
   const ItemExtras& extras = *extras_;
   predict(states, response);
-  apply_divergence(items, *constants_, inverse_w_, flow_, divergence_);
+  std::vector<float>& invariant = right_;  // not yet known
+  apply_divergence(items, *constants_, inverse_w_, flow_, divergence_, invariant);
+  if (!at_release_) add_second_order(particles, invariant);
   bodies_.build(items, samples_, states, sums, inverse_w_, *constants_, dt_);
   weigh_samples(items, inverse_w_, constants_->threads, pairs_, flow_);
   find_diagonal(items, extras, *constants_, rows_, pairs_, diagonal_);
@@ -59,6 +61,17 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
       diagonal_[f] = diagonal + yielding_[f];
       bounded_[f] = rows_[f].fullness < kInside;
     }
+  });
+}
+
+/// What straight moves x + dt v of particles do to the volume beyond dt div v: det(1 + dt L) = 1 + dt div v + dt^2 Q,
+/// with Q for a flow without divergence, as it will be. Strain compresses, rotation expands. Only inside: at a surface
+/// nothing hinders it.
+void ImplicitPressure::add_second_order(const Particles& particles, std::span<const float> invariant) {
+  const float dt = static_cast<float>(dt_);
+  for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      if (rows_[f].fullness > kInside) divergence_[f] += particles.record[f].volume * dt * invariant[f];
   });
 }
 

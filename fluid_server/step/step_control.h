@@ -34,20 +34,23 @@ enum class Limit : std::uint32_t {
 inline constexpr auto& kLimitNames = exchange::kStepLimits;
 static_assert(kLimitNames.size() == static_cast<std::size_t>(Limit::kCount));
 
-/// Farthest that an implicit fluid moves in a step, spacings. Where particles are shifted less: shifting, itself bound
-/// to a share of a spacing a step, has to keep up with the shear.
-inline constexpr double kLongestImplicitMove = 0.4, kLongestShiftedMove = 0.06;
+/// Farthest that an implicit fluid moves in a step where particles are shifted, spacings: shifting, itself bound to a
+/// share of a spacing a step, has to keep up with the shear.
+inline constexpr double kLongestShiftedMove = 0.06;
+/// How much farther than foretold it may turn out to move before the step is done again.
+inline constexpr double kBeyondForetold = 1.25;
 
 struct StepLimits {
-  bool implicit = false;                       ///< the two below rule instead of sound and acceleration
-  double spacing = 0;                          ///< d, m
-  double longest_move = kLongestImplicitMove;  ///< spacings a step
-  double gravity_step = 1e300;                 ///< s
-  double h = 0;                                ///< smoothing length (half the support), m
-  double sound_speed = 0;                      ///< m/s
-  double courant = 0.25;                       ///< of h / (c + v)
-  double kinematic_viscosity = 0;              ///< largest, m^2/s
-  double staggered = 1e300;                    ///< s, bound of the staggered scheme
+  bool implicit = false;           ///< the two below rule instead of sound and acceleration
+  double spacing = 0;              ///< d, m
+  double longest_move = 0.4;       ///< that a step is chosen for, spacings
+  double most_move = 0.5;          ///< beyond which a step is done again, spacings
+  double gravity_step = 1e300;     ///< s
+  double h = 0;                    ///< smoothing length (half the support), m
+  double sound_speed = 0;          ///< m/s
+  double courant = 0.25;           ///< of h / (c + v)
+  double kinematic_viscosity = 0;  ///< largest, m^2/s
+  double staggered = 1e300;        ///< s, bound of the staggered scheme
 };
 
 struct Step {

@@ -163,7 +163,7 @@ void WcsphFluid::move() {
     facts_.finite = check == 0;
     if (implicit_ && facts_.finite) {
       // In free flight up to half of the support, so that what comes into sight is never passed.
-      const double alone = kLongestImplicitMove * spacing_ / (0.5 * constants_.kernel.support);
+      const double alone = longest_move_ * spacing_ / (0.5 * constants_.kernel.support);
       facts_.meeting_speed = meeting_speed(particles_, *items_, alone, constants_.threads);
     }
     facts_.max_move = facts_.meeting_speed * dt / spacing_;

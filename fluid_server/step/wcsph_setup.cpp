@@ -179,6 +179,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.implicit_options_.tolerance = settings.tolerance * settings.gravity_share * settings.gravity_share;
     self.implicit_options_.body_tolerance = settings.body_tolerance;
     self.implicit_options_.body_products = settings.body_products;
+    self.longest_move_ = settings.longest_move;
     self.implicit_options_.weight = scene.world.gravity.norm();
     self.implicit_options_.sign_of_life = self.sign_of_life_;
   }

@@ -106,7 +106,8 @@ const Lie kLies[] = {
     {"RandomOrder", [](const Memory& m) { scribble<exchange::Order, exchange::Wrench>(m, Part::kOrder); },
      "the fluid process .* sent [a-z_]+.* = .*, expected"},
     {"RandomAnswer", [](const Memory& m) { scribble<exchange::Answer, exchange::BodyState>(m, Part::kAnswer); },
-     "the rigid process .* sent [a-z_]+.* = .*, expected"},
+     // States that are finite, and lie there beside a header that is right again, pass: what comes of them does not.
+     "the (rigid|fluid) process .* sent [a-z_]+.* = .*, expected"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Fields, Lied, ::testing::ValuesIn(kLies),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -14,7 +15,8 @@ namespace {
 /// A dense problem, preconditioned by its diagonal.
 class Dense : public QuadraticProgram {
  public:
-  Dense(Eigen::MatrixXd a, double tolerance) : a_(std::move(a)), tolerance_(tolerance) {}
+  Dense(Eigen::MatrixXd a, double tolerance, double negligible = -1)
+      : a_(std::move(a)), tolerance_(tolerance), negligible_(negligible) {}
   void multiply(std::span<const float> x, std::vector<float>& out) override {
     const Eigen::VectorXd y = a_ * vector(x);
     out.assign(x.size(), 0.f);
@@ -24,17 +26,21 @@ class Dense : public QuadraticProgram {
     for (std::size_t i = 0; i < r.size(); ++i)
       out[i] = r[i] / static_cast<float>(a_(static_cast<int>(i), static_cast<int>(i)));
   }
-  bool negligible(double) const override { return false; }
+  bool negligible(double beyond) const override { return beyond <= negligible_; }
+  bool harmless(std::span<const float> cut) override {
+    return !exact_end || std::all_of(cut.begin(), cut.end(), [](float one) { return one == 0; });
+  }
   bool good(std::span<const float>, std::span<const float> gradient) override {
     return vector(gradient).norm() < tolerance_;
   }
+  bool exact_end = false;  ///< nothing may be cut off at the end without a gradient
   static Eigen::VectorXd vector(std::span<const float> x) {
     return Eigen::Map<const Eigen::VectorXf>(x.data(), static_cast<int>(x.size())).cast<double>();
   }
 
  private:
   Eigen::MatrixXd a_;
-  double tolerance_;
+  double tolerance_, negligible_;
 };
 
 double energy(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& x) {
@@ -125,6 +131,48 @@ TEST(Mprgp, AProductLimitIsReportedAsUnreached) {
   const std::vector<std::uint8_t> bounded(3, 1);
   Dense never(a, -1);
   EXPECT_FALSE(Mprgp().solve(never, diagonal, right, bounded, x, 1, 7, 1).converged);
+}
+
+/// A membrane over an obstacle, pushed up and down at random: entries that leave their bounds by little on the way cost
+/// no products of their own, and are at them in the end.
+TEST(Mprgp, WhatIsNegligibleIsCutOffAtTheEnd) {
+  constexpr int kSide = 24, kSize = kSide * kSide;
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(kSize, kSize);
+  for (int i = 0; i < kSize; ++i) {
+    a(i, i) = 4;
+    if (i % kSide > 0) a(i, i - 1) = a(i - 1, i) = -1;
+    if (i >= kSide) a(i, i - kSide) = a(i - kSide, i) = -1;
+  }
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  std::vector<float> right(kSize);
+  for (float& one : right) one = normal(random);
+  const std::vector<float> diagonal(kSize, 4.f);
+  const std::vector<std::uint8_t> bounded(kSize, 1);
+  const double tolerance = 1e-2 * Dense::vector(right).norm();
+  std::vector<float> exact(kSize, 0.f), strict = exact, easy = exact;
+  Dense to_the_end(a, 1e-3 * tolerance), at_once(a, tolerance), later(a, tolerance, tolerance);
+  Mprgp mprgp;
+  ASSERT_TRUE(mprgp.solve(to_the_end, diagonal, right, bounded, exact, 2, 5000, 1).converged);
+  const MprgpReport cut_at_once = mprgp.solve(at_once, diagonal, right, bounded, strict, 2, 5000, 1);
+  const MprgpReport cut_at_the_end = mprgp.solve(later, diagonal, right, bounded, easy, 2, 5000, 1);
+  ASSERT_TRUE(cut_at_once.converged && cut_at_the_end.converged);
+  EXPECT_LT(cut_at_the_end.products, cut_at_once.products);
+  const Eigen::VectorXd b = Dense::vector(right), x = Dense::vector(easy), best = Dense::vector(exact);
+  EXPECT_GE(x.minCoeff(), 0);
+  // What is left is the size of the tolerance: of the gradient, and of what was cut off at the end.
+  const Eigen::VectorXd gradient = a * x - b;
+  double left = 0;
+  for (int i = 0; i < kSize; ++i) left += std::pow(x[i] > 0 ? gradient[i] : std::min(gradient[i], 0.0), 2);
+  EXPECT_LT(std::sqrt(left), 3 * tolerance);
+  EXPECT_LT((x - best).norm(), 0.05 * best.norm());
+
+  later.exact_end = true;
+  std::vector<float> again(kSize, 0.f);
+  ASSERT_TRUE(mprgp.solve(later, diagonal, right, bounded, again, 2, 5000, 1).converged);
+  const Eigen::VectorXd end = Dense::vector(again);
+  EXPECT_GE(end.minCoeff(), 0);
+  EXPECT_LT((a * end - b - Dense::vector(mprgp.gradient())).norm(), 1e-5 * b.norm());
 }
 
 }  // namespace

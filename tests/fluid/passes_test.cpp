@@ -319,7 +319,7 @@ TEST_P(Passes, SampleSumsSeeOnlyFluid) {
 /// divergence.
 TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
   const std::vector<float> inverse_w = build_and_weigh();
-  std::vector<float> pressure, out, divergence;
+  std::vector<float> pressure, out, divergence, invariant;
   for (const std::uint32_t item : items_.fluid_item) pressure.push_back(items_.record[item].p);
   std::vector<Flow> flow, velocities(items_.record.size());
   weigh_samples(items_, inverse_w, constants_.threads, pairs_, flow);
@@ -350,7 +350,7 @@ TEST_P(Passes, DivergenceIsTheTransposeOfTheForce) {
     }
     power += force.dot(velocity(b)), scale += std::abs(force.dot(velocity(b)));
   }
-  apply_divergence(items_, constants_, inverse_w, velocities, divergence);
+  apply_divergence(items_, constants_, inverse_w, velocities, divergence, invariant);
   double other = 0;
   for (std::size_t f = 0; f < pressure.size(); ++f) other += static_cast<double>(pressure[f]) * divergence[f];
   EXPECT_NEAR(power, other, 1e-5 * scale);
