@@ -65,13 +65,17 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
 }
 
 /// What straight moves x + dt v of particles do to the volume beyond dt div v: det(1 + dt L) = 1 + dt div v + dt^2 Q,
-/// with Q for a flow without divergence, as it will be. Strain compresses, rotation expands. Only inside: at a surface
-/// nothing hinders it.
+/// with Q for a flow without divergence, as it will be. Strain compresses, rotation expands. Less and less towards a
+/// surface, where nothing hinders it. What is below the tolerance is left out: noise of the velocities looks like
+/// strain, and would lift still water.
 void ImplicitPressure::add_second_order(const Particles& particles, std::span<const float> invariant) {
-  const float dt = static_cast<float>(dt_);
+  const float dt = static_cast<float>(dt_), seen = static_cast<float>(options_.tolerance);
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      if (rows_[f].fullness > kInside) divergence_[f] += particles.record[f].volume * dt * invariant[f];
+    for (std::size_t f = begin; f < end; ++f) {
+      const float depth = std::clamp((rows_[f].fullness - kInside) / (1 - kInside), 0.f, 1.f);
+      const float gained = dt * dt * invariant[f];
+      divergence_[f] += depth * particles.record[f].volume * (gained - std::clamp(gained, -seen, seen)) / dt;
+    }
   });
 }
 
