@@ -72,7 +72,7 @@ class Rows {
     VF flux = hn::Zero(F());
     pairs_.for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
       const VF volume = hn::Max(motion.d, hn::Zero(F()));
-      flux = hn::MulAdd(hn::Mul(volume, r.slope), closing(own, r, motion), flux);
+      flux = hn::MulAdd(hn::Mul(volume, r.slope), closing(r, against(own, motion)), flux);
     });
     return -own.volume * inverse_w * total(flux);
   }
@@ -86,17 +86,17 @@ class Rows {
     VF xx = zero, xy = zero, xz = zero, yx = zero, yy = zero, yz = zero, zx = zero, zy = zero, zz = zero;
     pairs_.for_each_flow(item, flow, [&](const Pair& r, const Quad& motion) HWY_ATTR {
       const VF vg = hn::Mul(hn::Max(motion.d, zero), r.slope);
-      const VF vx = hn::Sub(motion.a, hn::Set(d, own.x)), vz = hn::Sub(motion.c, hn::Set(d, own.z));
+      const Velocity v = against(own, motion);
       const VF gx = hn::Mul(vg, r.x), gz = hn::Mul(vg, r.z);
       full = hn::NegMulAdd(vg, r.r2, full);
-      xx = hn::MulAdd(gx, vx, xx), xz = hn::MulAdd(gx, vz, xz);
-      zx = hn::MulAdd(gz, vx, zx), zz = hn::MulAdd(gz, vz, zz);
+      xx = hn::NegMulAdd(gx, v.x, xx), xz = hn::NegMulAdd(gx, v.z, xz);
+      zx = hn::NegMulAdd(gz, v.x, zx), zz = hn::NegMulAdd(gz, v.z, zz);
       if constexpr (Dim == 3) {
-        const VF vy = hn::Sub(motion.b, hn::Set(d, own.y)), gy = hn::Mul(vg, r.y);
-        xy = hn::MulAdd(gx, vy, xy), zy = hn::MulAdd(gz, vy, zy);
-        yx = hn::MulAdd(gy, vx, yx), yy = hn::MulAdd(gy, vy, yy), yz = hn::MulAdd(gy, vz, yz);
+        const VF gy = hn::Mul(vg, r.y);
+        xy = hn::NegMulAdd(gx, v.y, xy), zy = hn::NegMulAdd(gz, v.y, zy);
+        yx = hn::NegMulAdd(gy, v.x, yx), yy = hn::NegMulAdd(gy, v.y, yy), yz = hn::NegMulAdd(gy, v.z, yz);
       }
-      sum = hn::MulAdd(hn::Mul(hn::Abs(motion.d), r.slope), closing(own, r, motion), sum);
+      sum = hn::MulAdd(hn::Mul(hn::Abs(motion.d), r.slope), closing(r, v), sum);
       const auto sample = hn::Lt(motion.d, hn::Zero(d));
       if (!hn::AllFalse(d, sample)) sum = hn::Add(sum, hn::IfThenElseZero(sample, hn::Mul(r.p, pairs_.value(r.r2))));
     });
@@ -110,11 +110,19 @@ class Rows {
  private:
   static constexpr float kLeastAround = 0.3f;  // fullness by which a gradient is corrected for what solids take up
 
-  /// r.(v_i - v_j)
-  HWY_INLINE VF closing(const Flow& own, const Pair& r, const Quad& motion) const {
+  struct Velocity {
+    VF x, y, z;
+  };
+  /// v_i - v_j
+  HWY_INLINE Velocity against(const Flow& own, const Quad& motion) const {
     const F d;
-    VF dot = hn::MulAdd(hn::Sub(hn::Set(d, own.x), motion.a), r.x, hn::Mul(hn::Sub(hn::Set(d, own.z), motion.c), r.z));
-    if constexpr (Dim == 3) dot = hn::MulAdd(hn::Sub(hn::Set(d, own.y), motion.b), r.y, dot);
+    return {hn::Sub(hn::Set(d, own.x), motion.a), hn::Sub(hn::Set(d, own.y), motion.b),
+            hn::Sub(hn::Set(d, own.z), motion.c)};
+  }
+  /// r.(v_i - v_j)
+  HWY_INLINE VF closing(const Pair& r, const Velocity& v) const {
+    VF dot = hn::MulAdd(v.x, r.x, hn::Mul(v.z, r.z));
+    if constexpr (Dim == 3) dot = hn::MulAdd(v.y, r.y, dot);
     return dot;
   }
 

@@ -159,7 +159,7 @@ class WcsphFluid {
   std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
   std::unique_ptr<Shifting> shifting_;          // null: particles go where their velocity takes them
   ImplicitOptions implicit_options_;
-  double longest_move_ = 0.4;  // of an implicit step, spacings
+  double longest_move_ = 0;  // of an implicit step, spacings
   StepFacts facts_, facts_before_;
   bool contacts_every_step_ = false;  // they go to the engine
   std::span<const exchange::Contact> contacts_;
