@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "fluid_server/neighbours/shares.h"
 #include "fluid_server/pressure/sums.h"
 
 namespace ballast::fluid {
@@ -16,9 +17,10 @@ constexpr double kNear = 0.95;
 // In short steps a particle is not stopped in one but over this way, in spacings, or as many steps: a blow of one step
 // would be many g for a light body.
 constexpr double kBrake = 0.25, kMostSteps = 20;
-constexpr double kComeOut = 0.2;    // of its depth that a particle rises in a step
-constexpr int kContactSweeps = 30;  // over contacts, at most
-constexpr int kPasses = 3;          // with the pressure that bodies in contact put on the water
+constexpr double kComeOut = 0.2;          // of its depth that a particle rises in a step
+constexpr int kContactSweeps = 30;        // over contacts, at most
+constexpr int kPasses = 3;                // with the pressure that bodies in contact put on the water
+constexpr std::size_t kFewContacts = 64;  // below this a second thread costs more than it brings
 
 }  // namespace
 
@@ -36,13 +38,11 @@ void Barrier::solve(Neighbourhood& items, const ItemExtras& extras, const std::v
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<Vector6> before = motion_;
     share_out(false);
-    bool moved = false;
-    for (std::uint32_t b = 0; b < states.size(); ++b) {
-      if (motion_[b] == before[b]) continue;
-      response.accelerate_body(items, b, (motion_[b] - before[b]) / dt);
-      moved = true;
-    }
-    if (!moved) break;
+    if (motion_ == before) break;
+    for_each_by_turns(states.size(), contacts_.size() > kFewContacts ? constants.threads : 1, [&](std::size_t b) {
+      if (motion_[b] != before[b])
+        response.accelerate_body(items, static_cast<std::uint32_t>(b), (motion_[b] - before[b]) / dt);
+    });
     // The pressure that a body's change puts on the water drives the particles, too.
     const std::vector<float> old = acceleration_;
     accelerate_some(items, extras, constants, particles_, acceleration_);
@@ -89,7 +89,7 @@ void Barrier::find_near(const Neighbourhood& items, const PassConstants& constan
   const float near2 = static_cast<float>(kNear * kNear * spacing_ * spacing_);
   near_.resize((sums.size() + kSumBlock - 1) / kSumBlock);
   for_blocks(sums.size(), constants.threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<Contact>& near = near_[begin / kSumBlock];
+    std::vector<Near>& near = near_[begin / kSumBlock];
     near.clear();
     for (std::size_t s = begin; s < end; ++s) {
       if (!(sums[s].w > 0) || sums[s].nearest * sums[s].nearest > near2) continue;
@@ -100,19 +100,37 @@ void Barrier::find_near(const Neighbourhood& items, const PassConstants& constan
         const auto distance2 =
             static_cast<float>(coordinates.difference({a.x, a.y, a.z}, {b.x, b.y, b.z}).squaredNorm());
         if (!(distance2 < near2)) continue;
-        Contact& c = near.emplace_back();
-        c.particle = items.source[list[k]], c.body = samples_.body[sample], c.sample = sample, c.distance2 = distance2;
+        near.push_back({items.source[list[k]], samples_.body[sample], sample, distance2});
       }
     }
   });
-  for (const std::vector<Contact>& near : near_) contacts_.insert(contacts_.end(), near.begin(), near.end());
+  std::vector<Near> all;
+  for (const std::vector<Near>& near : near_) all.insert(all.end(), near.begin(), near.end());
   // What does not move comes last among a particle's solids: its contact is the one that a sweep ends with.
-  const auto order = [&](const Contact& c) {
-    return std::tuple(c.particle, c.sample < samples_.first_moving, c.body, c.distance2, c.sample);
+  const auto order = [&](const Near& n) {
+    return std::tuple(n.particle, n.sample < samples_.first_moving, n.body, n.distance2, n.sample);
   };
-  std::sort(contacts_.begin(), contacts_.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
-  const auto same = [](const Contact& a, const Contact& b) { return a.particle == b.particle && a.body == b.body; };
-  contacts_.erase(std::unique(contacts_.begin(), contacts_.end(), same), contacts_.end());
+  std::ranges::sort(all, {}, order);
+  for (const Near& n : all) {
+    if (!contacts_.empty() && contacts_.back().particle == n.particle && contacts_.back().body == n.body) continue;
+    Contact& c = contacts_.emplace_back();
+    c.particle = n.particle, c.body = n.body, c.sample = n.sample;
+  }
+}
+
+/// Leaves only the particles of contacts, with their accelerations.
+void Barrier::keep_touching() {
+  std::uint32_t count = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    Contact& c = contacts_[k];
+    if (k == 0 || c.particle != contacts_[k - 1].particle) {
+      std::copy_n(&acceleration_[3 * c.slot], 3, &acceleration_[3 * count]);
+      particles_[count++] = c.particle;
+    }
+    c.slot = count - 1;
+  }
+  particles_.resize(count);
+  acceleration_.resize(3 * count);
 }
 
 /// Of those, the ones that meet in this step; what their velocities would be without the barrier goes into `least`.
@@ -147,13 +165,18 @@ void Barrier::find_touching(const Neighbourhood& items, const ItemExtras& extras
     c.least = (c.height >= 0 ? -c.height / brake : -kComeOut * c.height / dt) - c.normal.dot(relative);
     c.mass = own.volume * extras.density[constants.several_densities ? items.fluid_item[c.particle] : 0];
   };
-#pragma omp parallel for num_threads(constants.threads) schedule(static) if (contacts_.size() > kSerial / 8)
+#pragma omp parallel for num_threads(constants.threads) schedule(static) if (contacts_.size() > kFewContacts)
   for (std::size_t k = 0; k < contacts_.size(); ++k) meet(contacts_[k]);
   std::erase_if(contacts_, [](const Contact& c) { return !c.meets; });
+  keep_touching();
   mobility_.assign(states.size(), Matrix6::Zero());
+  std::vector<std::uint8_t> touched(states.size(), 0);
+  for (const Contact& c : contacts_) touched[c.body] = 1;
+  for_each_by_turns(states.size(), contacts_.size() > kFewContacts ? constants.threads : 1, [&](std::size_t b) {
+    if (touched[b]) mobility_[b] = response.mobility_in_water(states[b], static_cast<std::uint32_t>(b));
+  });
   for (Contact& c : contacts_) {
     report_.deepest = std::max(report_.deepest, -c.height);
-    if (mobility_[c.body].isZero(0)) mobility_[c.body] = response.mobility_in_water(states[c.body], c.body);
     Vector6 line;
     line << c.normal, c.arm.cross(c.normal);
     c.inverse_mass = 1 / c.mass + line.dot(mobility_[c.body] * line);

@@ -46,9 +46,12 @@ class Barrier {
   std::size_t memory() const { return contacts_.capacity() * sizeof(Contact) + pushes_.capacity() * sizeof(Push); }
 
  private:
+  struct Near {
+    std::uint32_t particle, body, sample;
+    float distance2;  // of the sample
+  };
   struct Contact {
     std::uint32_t particle = 0, body = 0, sample = 0;
-    float distance2 = 0;                             // of the sample
     std::uint32_t slot = 0;                          // into pushes_
     Vec3 normal = Vec3::Zero(), arm = Vec3::Zero();  // out of the solid; from its centre of mass
     double height = 0;                               // of the particle above the surface
@@ -60,13 +63,14 @@ class Barrier {
   void find_near(const Neighbourhood& items, const PassConstants& constants, const std::vector<SampleSums>& sums);
   void find_touching(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                      std::span<const exchange::BodyState> states, const Response& response);
+  void keep_touching();
   void share_out(bool still);
 
   const Samples& samples_;
   std::span<const Body> bodies_;
   double spacing_;
   bool brakes_;
-  std::vector<std::vector<Contact>> near_;  // by block of samples
+  std::vector<std::vector<Near>> near_;  // by block of samples
   std::vector<Contact> contacts_;
   std::vector<Push> pushes_;
   std::vector<std::uint32_t> particles_;               // of pushes_

@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "fluid_server/neighbours/shares.h"
+
 namespace ballast::fluid {
 
 Response::Response(const Samples& samples, std::vector<Vec3> buoyancy, std::unique_ptr<Seepage> films, double spacing,
@@ -144,19 +146,18 @@ Vector6 Response::film(std::size_t body) const {
 }
 
 void Response::find_accelerations(std::span<const exchange::BodyState> states, Scheme scheme, bool films) {
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (std::size_t b = 0; b < states.size(); ++b) {
+  for_each_by_turns(states.size(), threads_, [&](std::size_t b) {
     const Vector6 free = Vector6::Map(states[b].free_acceleration);
     const auto mobility = mobility_of(states[b]);
     spin_[b] = Vec3::Map(states[b].angular_velocity);
     acceleration_[b] = free;
-    if (mobility.isZero(0)) continue;  // static or prescribed: moves as it moves
+    if (mobility.isZero(0)) return;  // static or prescribed: moves as it moves
     Vector6 taken = Vector6::Zero();
     if (scheme == Scheme::kStaggered) taken = Vector6::Map(states[b].acceleration);
     if (scheme == Scheme::kLeftOut) spin_[b].setZero();  // nor what turning accelerates
     if (scheme != Scheme::kInterlinked && films) {
       acceleration_[b] = taken;
-      continue;
+      return;
     }
     Vector6 force = films ? film(b) : Vector6(Vector6::Zero());
     force.head<3>() += buoyancy_[b];
@@ -175,12 +176,12 @@ void Response::find_accelerations(std::span<const exchange::BodyState> states, S
       acceleration_[b] = (Matrix6::Identity() + mobility * added).partialPivLu().solve(free + mobility * force);
     else
       acceleration_[b] = free + mobility * (force - added * taken);
-  }
+  });
 }
 
 void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> states) {
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (Chunk& chunk : chunks_) {
+  for_each_by_turns(chunks_.size(), threads_, [&](std::size_t at) {
+    Chunk& chunk = chunks_[at];
     const std::uint32_t b = chunk.body;
     const Vec3 linear = acceleration_[b].head<3>(), angular = acceleration_[b].tail<3>();
     chunk.force.setZero(), chunk.torque.setZero();
@@ -197,7 +198,7 @@ void Response::apply(Neighbourhood& items, std::span<const exchange::BodyState> 
       chunk.force += f;
       chunk.torque += arm.cross(f) + couple(wet);
     }
-  }
+  });
   for (std::size_t b = 0; b < states.size(); ++b) {
     Vec3::Map(wrenches_[b].force) = buoyancy_[b] + film(b).head<3>();
     Vec3::Map(wrenches_[b].torque) = film(b).tail<3>();
@@ -258,19 +259,20 @@ void Response::push(std::uint32_t sample, const Vec3& arm, const Vec3& force) {
 
 std::span<const exchange::Contact> Response::gather_contacts(std::span<const exchange::BodyState> states) {
   patches_.assign(samples_.patch_body.size(), {});
+  std::vector<Eigen::Matrix3d> rotation;
+  for (const exchange::BodyState& state : states) rotation.push_back(rotation_of(state).toRotationMatrix());
   for (std::uint32_t sample = samples_.first_moving; sample < samples_.size(); ++sample) {
     const Wet* const found = find(sample);
     if (!found) continue;
     const Wet& wet = *found;
     exchange::Contact& patch = patches_[samples_.patch[sample]];
-    const exchange::BodyState& state = states[wet.body];
-    const Quat q = rotation_of(state);
-    const Vec3 normal = q * samples_.normal[sample].cast<double>();
+    const Vec3 normal = rotation[wet.body] * samples_.normal[sample].cast<double>();
     const Vec3 force = wet.force.cast<double>();
     patch.body = wet.body;
     patch.depth = patch.samples ? std::max<double>(patch.depth, wet.penetration) : wet.penetration;
     ++patch.samples;
-    Vec3::Map(patch.position) += Vec3::Map(state.position) + wet.arm.cast<double>() + samples_.depth[sample] * normal;
+    Vec3::Map(patch.position) +=
+        Vec3::Map(states[wet.body].position) + wet.arm.cast<double>() + samples_.depth[sample] * normal;
     Vec3::Map(patch.normal) += normal;
     Vec3::Map(patch.force) += force;
     // only the first layer, half a pitch inside, stands for surface

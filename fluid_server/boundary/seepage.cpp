@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "fluid_server/neighbours/shares.h"
+
 namespace ballast::fluid {
 
 namespace {
@@ -79,17 +81,16 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
 void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& wet) {
   films_.clear();
   closed_.clear();
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1) if (faces_.size() > 1)
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
+  for_each_by_turns(faces_.size(), threads_, [&](std::size_t f) {
     Face& face = faces_[f];
     face.has_films = cover(face, states, wet);
-    if (!face.has_films) continue;
+    if (!face.has_films) return;
     read_rims(face, states[face.body], wet);
     spread(face);
     const Quat rotation = rotation_of(states[face.body]);
     for (Covered& c : face.covered)
       if (c.reached && !counted(face, c.other)) c.bears = c.share * bearing(c, rotation, states[c.other]);
-  }
+  });
   for (const Face& face : faces_) {
     if (!face.has_films) continue;
     bear(face, states);
@@ -229,24 +230,33 @@ void Seepage::press(std::span<const exchange::BodyState> states, std::span<const
     twist[b] << Vec3::Map(states[b].velocity), Vec3::Map(states[b].angular_velocity);
     twist[b] += dt * without[b];
   }
-  const auto push = [&](std::uint32_t b, const Vector6& wrench) { twist[b] += dt * mobility_of(states[b]) * wrench; };
-  const auto opening = [&](const Film& film) {  // speed, m/s
-    const Vec3 point = film.point / film.force;
-    const auto at = [&](std::uint32_t b) {
-      return Vec3(twist[b].head<3>() + twist[b].tail<3>().cross(point - Vec3::Map(states[b].position)));
-    };
-    return film.normal.normalized().dot(at(film.other) - at(film.body));
+  struct Valve {
+    Film* film;
+    double fastest;             // that water can follow, m/s
+    Vector6 of_body, of_other;  // opening speed per twist
+    Vector6 body, other;        // twist that the whole film gives
+    double gain;                // opening speed by that
   };
+  std::vector<Valve> valves;
+  for (Film& film : films_) {
+    const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
+    Valve v{&film, gap / way * std::sqrt(2 * film.force / film.area / density_), {}, {}, {}, {}, 0};
+    const Vec3 point = film.point / film.force, normal = film.normal.normalized();
+    v.of_body << -normal, -(point - Vec3::Map(states[film.body].position)).cross(normal);
+    v.of_other << normal, (point - Vec3::Map(states[film.other].position)).cross(normal);
+    v.body = dt * mobility_of(states[film.body]) * film.on_body;
+    v.other = dt * mobility_of(states[film.other]) * film.on_other;
+    v.gain = v.of_body.dot(v.body) + v.of_other.dot(v.other);
+    valves.push_back(v);
+  }
   for (int sweep = 0; sweep < kFilmSweeps; ++sweep)  // projected Gauss-Seidel: each film in turn as far as it may
-    for (Film& film : films_) {
-      const double gap = std::max(film.gap / film.area, 0.0) + kRough * spacing_, way = 0.5 * std::sqrt(film.area);
-      const double fastest = gap / way * std::sqrt(2 * film.force / film.area / density_);
-      const double before = film.share, now = opening(film);
-      push(film.body, film.on_body), push(film.other, film.on_other);
-      const double gain = opening(film) - now;  // of the whole film
-      film.share = gain > 0 ? std::clamp(before + (fastest - now) / gain, 0.0, 1.0) : 1.0;
-      push(film.body, (film.share - before - 1) * film.on_body),
-          push(film.other, (film.share - before - 1) * film.on_other);
+    for (const Valve& v : valves) {
+      Film& film = *v.film;
+      const double now = v.of_body.dot(twist[film.body]) + v.of_other.dot(twist[film.other]);
+      const double share = v.gain > 0 ? std::clamp(film.share + (v.fastest - now) / v.gain, 0.0, 1.0) : 1.0;
+      twist[film.body] += (share - film.share) * v.body;
+      twist[film.other] += (share - film.share) * v.other;
+      film.share = share;
     }
   for (const Film& film : films_)
     for (const auto& [b, wrench] : {std::pair(film.body, &film.on_body), std::pair(film.other, &film.on_other)}) {
@@ -266,33 +276,35 @@ bool Seepage::cover(Face& face, std::span<const exchange::BodyState> states, con
   const double wide = kWide * spacing_;
   struct Near {
     std::uint32_t body;
-    Quat to_local;
-    Vec3 position, low, high;  // low, high: of the box around it, with what a place may be away
+    Eigen::Matrix3d turn;  // from the frame of the body at hand to its own: turn * local + shift
+    Vec3 shift;
+    const Box3* box;  // around it
   };
+  const Eigen::Matrix3d turn = rotation_of(states[own]).toRotationMatrix();
   std::vector<Near> near;
   for (std::uint32_t b = 0; b < states.size(); ++b) {
     const double distance = (Vec3::Map(states[b].position) - Vec3::Map(states[own].position)).norm();
     if (b == own || !(distance < reach_[b] + reach_[own] + wide)) continue;
-    const Vec3 away = Vec3::Constant(wide + spacing_);  // places lie less than a spacing below the surface
-    near.push_back({b, rotation_of(states[b]).conjugate(), Vec3::Map(states[b].position), bounds_[b].min - away,
-                    bounds_[b].max + away});
+    const Eigen::Matrix3d to_local = rotation_of(states[b]).toRotationMatrix().transpose();
+    const Vec3 apart = Vec3::Map(states[own].position) - Vec3::Map(states[b].position);
+    near.push_back({b, to_local * turn, to_local * apart, &bounds_[b]});
   }
   if (near.empty() ||
       std::ranges::none_of(face.places, [&](const Place& place) { return wet(place.sample).has_value(); }))
     return false;
   face.covered.assign(face.places.size(), {});
   bool any = false;
-  const Quat q = rotation_of(states[own]);
   for (std::size_t i = 0; i < face.places.size(); ++i) {
     Covered& c = face.covered[i];
     const std::uint32_t s = face.places[i].sample;
-    // Towards the other solid, not along the sample's own normal: a sample at an edge stands for both faces.
-    const Vec3 centre = Vec3::Map(states[own].position) + q * samples_.local[s].cast<double>();
+    const Vec3 place = samples_.local[s].cast<double>();
     double least = wide;
     const Near* nearest = nullptr;
     for (const Near& other : near) {
-      const Vec3 local = other.to_local * (centre - other.position);
-      if ((local.array() < other.low.array()).any() || (local.array() > other.high.array()).any()) continue;
+      const Vec3 local = other.turn * place + other.shift;
+      const double away = least + samples_.depth[s];
+      if ((local.array() < other.box->min.array() - away || local.array() > other.box->max.array() + away).any())
+        continue;
       const double gap = bodies_[other.body].solid.distance(local) - samples_.depth[s];
       if (gap < least) least = gap, nearest = &other;
     }
@@ -300,9 +312,10 @@ bool Seepage::cover(Face& face, std::span<const exchange::BodyState> states, con
     c.share = std::clamp((kWide - least / spacing_) / (kWide - kNarrow), 0.0, 1.0);
     if (nearest) c.other = nearest->body;
     if (!(c.share > 0)) continue;
-    const Vec3 local = nearest->to_local * (centre - nearest->position);
-    c.normal = -(rotation_of(states[c.other]) * bodies_[c.other].solid.normal(local));
-    c.point = centre + samples_.depth[s] * c.normal;
+    // Towards the other solid, not along the sample's own normal: a sample at an edge stands for both faces.
+    const Vec3 normal = bodies_[c.other].solid.normal(nearest->turn * place + nearest->shift);
+    c.normal = -(turn * (nearest->turn.transpose() * normal));
+    c.point = Vec3::Map(states[own].position) + turn * place + samples_.depth[s] * c.normal;
     any = true;
   }
   return any;

@@ -2,6 +2,8 @@
 // has the same share in every loop works on what lies together, and finds it in its cache.
 #pragma once
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +26,17 @@ std::vector<std::uint32_t> shares_of(std::uint32_t n, int threads, Cost&& cost) 
     begin[t] = std::min(n, static_cast<std::uint32_t>(at) * kGrain);
   }
   return begin;
+}
+
+/// task(k) for k = 0 .. n, each by the next thread that is free: for tasks of unequal cost. Not schedule(dynamic):
+/// Debian builds LLVM's runtime with its debugging texts, some ten of which it formats in every such loop.
+template <class Task>
+void for_each_by_turns(std::size_t n, int threads, Task&& task) {
+  std::atomic<std::size_t> next{0};
+#pragma omp parallel num_threads(threads) if (n > 1)
+  for (std::size_t k = next.fetch_add(1, std::memory_order_relaxed); k < n;
+       k = next.fetch_add(1, std::memory_order_relaxed))
+    task(k);
 }
 
 /// task(k) for all k of all shares.

@@ -36,12 +36,13 @@ void replace_if_smaller(std::vector<float>& out, std::size_t size) {
 
 }  // namespace
 
-void KeptPairs::make_room_for_slopes(const Neighbourhood& items, std::uint32_t lanes, int threads) {
+void KeptPairs::make_room_for_slopes(const Neighbourhood& items, std::uint32_t in_vector, int threads) {
+  lanes = in_vector;
   const auto vectors = [&](std::uint32_t i) { return (items.lists.count[i] + lanes - 1) / lanes; };
   replace_if_smaller(slope, std::size_t{sum_before(items.size(), threads, vectors, slopes_before)} * lanes);
 }
 
-void KeptPairs::make_room_for_values(const Neighbourhood& items, std::uint32_t lanes, int threads) {
+void KeptPairs::make_room_for_values(const Neighbourhood& items, int threads) {
   const auto vectors = [&](std::uint32_t i) {
     const std::uint32_t source = items.source[i];
     const bool with_samples = source & Neighbourhood::kSample || sum[source].touches_samples != 0;

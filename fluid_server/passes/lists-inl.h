@@ -224,15 +224,15 @@ class ListBuilder {
 template <class Group, class Then>
 void for_each_group(std::uint32_t size, int threads, Group&& group, Then&& then) {
   const std::uint32_t chunks = (size + Lists::kChunk - 1) / Lists::kChunk;
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-  for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
+  for_each_by_turns(chunks, threads, [&](std::size_t at) {
+    const std::uint32_t chunk = static_cast<std::uint32_t>(at);
     const std::uint32_t end = std::min(size, (chunk + 1) * Lists::kChunk);
     for (std::uint32_t begin = chunk * Lists::kChunk; begin < end;) {
       const std::uint32_t next = group(chunk, begin, end);
       then(begin, next);
       begin = next;
     }
-  }
+  });
 }
 
 /// All lists anew; `then` is called with the items of each group whose lists are done.

@@ -68,8 +68,13 @@ void GatherViscousAll(const Neighbourhood& items, const ItemExtras& extras, cons
 template <int Dim, KernelKind K>
 void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
   const Pairs<Dim, K> pairs(items, extras, constants);
-  for_each_in(items.fluid_shares, constants.threads,
-              [&](std::uint32_t f) { pairs.acceleration(items.fluid_item[f], a + 3 * f); });
+  // By turns: while particles move, the rigid process is at work, on one of the threads' cores.
+  constexpr std::size_t kAtATime = 128;
+  const std::size_t n = items.fluid_item.size();
+  for_each_by_turns((n + kAtATime - 1) / kAtATime, constants.threads, [&](std::size_t at) {
+    for (std::size_t f = at * kAtATime; f < std::min(n, (at + 1) * kAtATime); ++f)
+      pairs.acceleration(items.fluid_item[f], a + 3 * f);
+  });
 }
 
 template <int Dim, KernelKind K>
@@ -115,7 +120,7 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
     const std::uint32_t item = items.fluid_item[f];
     sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
   });
-  kept.make_room_for_values(items, kLanes, constants.threads);
+  kept.make_room_for_values(items, constants.threads);
   const auto values = [&](std::uint32_t item) {
     return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
   };

@@ -172,9 +172,13 @@ struct KeptPairs {
   std::vector<Point> point;    ///< per item
   std::vector<Active> active;  ///< the samples that extrapolate
   std::vector<std::uint32_t> active_shares;  ///< of these
-  /// Room for the slopes of all lists of these items, in vectors of `lanes`; for their values, once `sum` is known.
-  void make_room_for_slopes(const Neighbourhood& items, std::uint32_t lanes, int threads);
-  void make_room_for_values(const Neighbourhood& items, std::uint32_t lanes, int threads);
+  std::uint32_t lanes = 1;                   ///< of a vector
+  /// What is kept of an item's list, in its order.
+  const float* slopes_of(std::uint32_t item) const { return slope.data() + std::size_t{slopes_before[item]} * lanes; }
+  const float* values_of(std::uint32_t item) const { return value.data() + std::size_t{values_before[item]} * lanes; }
+  /// Room for the slopes of all lists of these items, in vectors of `in_vector`; for their values, once `sum` is known.
+  void make_room_for_slopes(const Neighbourhood& items, std::uint32_t in_vector, int threads);
+  void make_room_for_values(const Neighbourhood& items, int threads);
   std::size_t memory() const;  ///< bytes of all its arrays
 };
 

@@ -24,7 +24,7 @@ class Products {
   /// Pressure extrapolated onto a sample.
   HWY_INLINE float sample_pressure(std::uint32_t item, float inverse_w) const {
     const F d;
-    const float* value = values(item);
+    const float* value = pairs_.values_of(item);
     VF wp = hn::Zero(d);
     for_each_vector(item, [&](std::uint32_t k, const std::uint32_t* index)
                               HWY_ATTR { wp = hn::MulAdd(hn::LoadU(d, value + k), pressures(index), wp); });
@@ -48,7 +48,7 @@ class Products {
   /// Mean of what is in the points' p over a sample's particles.
   HWY_INLINE float mean(std::uint32_t item) const {
     const F d;
-    const float* value = values(item);
+    const float* value = pairs_.values_of(item);
     VF w = hn::Zero(d), wp = hn::Zero(d);
     for_each_vector(item, [&](std::uint32_t k, const std::uint32_t* index) HWY_ATTR {
       const VF vw = hn::LoadU(d, value + k);
@@ -64,7 +64,7 @@ class Products {
     float x = sum.x, y = sum.y, z = sum.z;
     if (sum.touches_samples != 0) {
       const F d;
-      const float* value = values(item);
+      const float* value = pairs_.values_of(item);
       VF cx = hn::Zero(d), cy = hn::Zero(d), cz = hn::Zero(d);
       for_each_pair(item, [&](std::uint32_t k, const std::uint32_t*, const Gradient& g) HWY_ATTR {
         const VF share = hn::Mul(hn::Set(d, volume), hn::Mul(hn::LoadU(d, value + k), g.p));
@@ -98,9 +98,6 @@ class Products {
     VF x, y, z, p;  // V_j g r, and the neighbour's p
   };
 
-  const float* values(std::uint32_t item) const {
-    return pairs_.value.data() + std::size_t{pairs_.values_before[item]} * kLanes;
-  }
   HWY_INLINE VF pressures(const std::uint32_t* index) const {
     const auto place = hn::ShiftLeft<2>(hn::BitCast(I(), hn::LoadU(U(), index)));
     return hn::GatherIndex(F(), points_ + 3, place);
@@ -115,7 +112,7 @@ class Products {
   HWY_INLINE void for_each_pair(std::uint32_t item, Body&& body) const {
     const F d;
     const KeptPairs::Point own = pairs_.point[item];
-    const float* slope = pairs_.slope.data() + std::size_t{pairs_.slopes_before[item]} * kLanes;
+    const float* slope = pairs_.slopes_of(item);
     for_each_vector(item, [&](std::uint32_t k, const std::uint32_t* index) HWY_ATTR {
       const Quad other = load_transposed(d, points_, index, 4);
       const VF vg = hn::LoadU(d, slope + k);
@@ -133,7 +130,7 @@ class Products {
   template <bool kSamples>
   HWY_INLINE Fluxes fluxes(std::uint32_t item, const Flow* flow) const {
     const F d;
-    const float* value = kSamples ? values(item) : nullptr;
+    const float* value = kSamples ? pairs_.values_of(item) : nullptr;
     VF sum = hn::Zero(d), from_samples = hn::Zero(d);
     for_each_pair(item, [&](std::uint32_t k, const std::uint32_t* index, const Gradient& g) HWY_ATTR {
       const Quad v = load_transposed(d, &flow->x, index, 4);

@@ -5,8 +5,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <map>
 
+#include "fluid_server/neighbours/shares.h"
 #include "fluid_server/pressure/sums.h"
 
 namespace ballast::fluid {
@@ -23,10 +23,12 @@ Matrix6 root_of(const Matrix6& m) {
          eigen.eigenvectors().transpose();
 }
 
+Vector6 wide(const float (&u)[6]) { return Eigen::Map<const Eigen::Matrix<float, 6, 1>>(u).cast<double>(); }
+
 }  // namespace
 
 void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
-                     const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
+                     const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w, const KeptPairs& pairs,
                      const PassConstants& constants, double dt) {
   threads_ = constants.threads;
   const auto moves_freely = [](const exchange::BodyState& state) { return !mobility_of(state).isZero(0); };
@@ -40,20 +42,19 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
   find_wet(items, samples, sums);
   part_.resize(states.size());
   row_of_.resize(static_cast<std::size_t>(threads_));
-  const std::uint32_t bodies = static_cast<std::uint32_t>(states.size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 1)
-  for (std::uint32_t b = 0; b < bodies; ++b) {
+  for_each_by_turns(states.size(), threads_, [&](std::size_t b) {
     std::vector<std::uint32_t>& row_of = row_of_[static_cast<std::size_t>(omp_get_thread_num())];
     row_of.resize(items.fluid_item.size(), kNone);
     part_[b].clear();
-    add_rows(items, samples, states[b], b, sums, inverse_w, constants, row_of, part_[b]);
+    add_rows(items, samples, states[b], static_cast<std::uint32_t>(b), sums, inverse_w, pairs, constants, row_of,
+             part_[b]);
     for (Row& row : part_[b]) {
       row_of[row.particle] = kNone;
-      const Vector6 u = dt * (root_[b] * Eigen::Map<const Eigen::Matrix<float, 6, 1>>(row.u).cast<double>());
+      const Vector6 u = dt * (root_[b] * wide(row.u));
       Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.u) = u.cast<float>();
     }
     std::sort(part_[b].begin(), part_[b].end(), [](const Row& p, const Row& q) { return p.particle < q.particle; });
-  }
+  });
   for (std::size_t b = 0; b < states.size(); ++b) {
     row_.insert(row_.end(), part_[b].begin(), part_[b].end());
     first_[b + 1] = static_cast<std::uint32_t>(row_.size());
@@ -63,26 +64,31 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
 
 /// Wet samples of the bodies that have mobility.
 void BodyRows::find_wet(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums) {
-  first_wet_.assign(root_.size() + 1, 0);
-  const auto for_each_wet = [&](auto&& what) {
-    for (std::uint32_t s = 0; s < sums.size(); ++s) {
+  using Wet = std::pair<std::uint32_t, std::uint32_t>;  // body, index into sums
+  std::vector<std::vector<Wet>> found((sums.size() + kSumBlock - 1) / kSumBlock);
+  for_blocks(sums.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      if (!(sums[s].w > 0)) continue;
       const std::uint32_t sample = items.source[items.sample_item[s]] & ~Neighbourhood::kSample;
-      if (sample < samples.first_moving || !(sums[s].w > 0)) continue;
-      if (!root_[samples.body[sample]].isZero(0)) what(s, samples.body[sample]);
+      if (sample < samples.first_moving || root_[samples.body[sample]].isZero(0)) continue;
+      found[begin / kSumBlock].emplace_back(samples.body[sample], static_cast<std::uint32_t>(s));
     }
-  };
-  for_each_wet([&](std::uint32_t, std::uint32_t body) { ++first_wet_[body + 1]; });
+  });
+  first_wet_.assign(root_.size() + 1, 0);
+  for (const std::vector<Wet>& block : found)
+    for (const Wet& wet : block) ++first_wet_[wet.first + 1];
   for (std::size_t b = 1; b < first_wet_.size(); ++b) first_wet_[b] += first_wet_[b - 1];
   wet_.resize(first_wet_.back());
   std::vector<std::uint32_t> cursor(first_wet_.begin(), first_wet_.end() - 1);
-  for_each_wet([&](std::uint32_t s, std::uint32_t body) { wet_[cursor[body]++] = s; });
+  for (const std::vector<Wet>& block : found)
+    for (const auto& [body, s] : block) wet_[cursor[body]++] = s;
 }
 
 /// A unit of pressure in particle i pushes sample s by -V_s V_i g (x_s - x_i) directly, and through what the sample
 /// extrapolates, V_i W / sum V W, by that share of the sample's area -V_s sum V_k g (x_s - x_k).
 void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, const exchange::BodyState& state,
                         std::uint32_t body, const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
-                        const PassConstants& constants, std::vector<std::uint32_t>& row_of,
+                        const KeptPairs& pairs, const PassConstants& constants, std::vector<std::uint32_t>& row_of,
                         std::vector<Row>& out) const {
   const Eigen::Vector3f quantum = items.coordinates().quantum.cast<float>();
   const Quat q = rotation_of(state);
@@ -91,6 +97,7 @@ void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, cons
     const Record& own = items.record[item];
     const Eigen::Vector3f arm = (q * samples.local[sample].cast<double>()).cast<float>();
     const Eigen::Vector3f area = Eigen::Vector3f::Map(sums[s].g);
+    const float *slope = pairs.slopes_of(item), *value = pairs.values_of(item);  // V_i g, V_i W
     const std::uint32_t* list = items.lists.of(item);
     for (std::uint32_t k = 0; k < items.lists.count[item]; ++k) {
       const Record& other = items.record[list[k]];
@@ -98,10 +105,7 @@ void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, cons
                         static_cast<float>(static_cast<std::int32_t>(own.y - other.y)) * quantum[1],
                         static_cast<float>(static_cast<std::int32_t>(own.z - other.z)) * quantum[2]);
       if (constants.kernel.dimension == 2) r[1] = 0;
-      const double distance = r.norm();
-      const float volume = -own.volume, slope = static_cast<float>(constants.kernel.slope_over_r(distance));
-      const float share = other.volume * static_cast<float>(constants.kernel.value(distance)) * inverse_w[s];
-      const Eigen::Vector3f push = -volume * (other.volume * slope * r + share * area);
+      const Eigen::Vector3f push = own.volume * (slope[k] * r + value[k] * inverse_w[s] * area);  // of samples negative
       const Eigen::Vector3f turn = arm.cross(push);
       const std::uint32_t particle = items.source[list[k]];
       if (row_of[particle] == kNone) {
@@ -163,42 +167,53 @@ void BodyRows::spread_scaled(std::span<const Vector6> y, std::span<const float> 
 
 void BodyRows::factor(std::span<const float> diagonal) {
   slot_.assign(root_.size(), kNone);
-  unknowns_ = 0;
+  std::uint32_t slots = 0;
   for (std::size_t b = 0; b < root_.size(); ++b)
-    if (moves(b)) slot_[b] = static_cast<std::uint32_t>(unknowns_), unknowns_ += 6;
-  if (unknowns_ == 0) return;
-  std::vector<Matrix6> own(unknowns_ / 6, Matrix6::Zero());  // of each body
-  std::map<Slots, Matrix6> shared;                           // of two at the same particles
+    if (moves(b)) slot_[b] = slots++;
+  if (slots == 0) return;
+  std::vector<Matrix6> own(slots, Matrix6::Zero());  // of each body
+  for_each_by_turns(root_.size(), row_.size() > kSerial ? threads_ : 1, [&](std::size_t b) {
+    if (!moves(b)) return;
+    Matrix6 sum = Matrix6::Zero();
+    for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
+      const Vector6 u = wide(row_[k].u);
+      sum.noalias() += u / diagonal[row_[k].particle] * u.transpose();
+    }
+    own[slot_[b]] = sum;
+  });
+  // Of two bodies at the same particles, at the one before: the lower half, by columns, is enough.
+  shared_.resize(own.size());
+  for (std::vector<Shared>& column : shared_) column.clear();
   for (std::size_t p = 0; p + 1 < particle_start_.size(); ++p) {
-    const double weight = 1.0 / diagonal[row_[by_particle_[particle_start_[p]]].particle];
-    for (std::uint32_t r = particle_start_[p]; r < particle_start_[p + 1]; ++r)
-      for (std::uint32_t s = particle_start_[p]; s < particle_start_[p + 1]; ++s) {
-        const Row &one = row_[by_particle_[r]], &two = row_[by_particle_[s]];
-        const std::uint32_t a = slot_[one.body], c = slot_[two.body];
-        if (a < c) continue;  // the lower half is enough
-        const Vector6 u = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(one.u).cast<double>();
-        const Vector6 v = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(two.u).cast<double>();
-        Matrix6& block = a == c ? own[a / 6] : shared.try_emplace({a, c}, Matrix6::Zero()).first->second;
-        block.noalias() += weight * u * v.transpose();
+    const std::uint32_t begin = particle_start_[p], end = particle_start_[p + 1];
+    for (std::uint32_t s = begin; s < end; ++s)
+      for (std::uint32_t r = s + 1; r < end; ++r) {
+        const Row &before = row_[by_particle_[s]], &after = row_[by_particle_[r]];
+        std::vector<Shared>& column = shared_[slot_[before.body]];
+        auto with = std::ranges::find(column, slot_[after.body], &Shared::slot);
+        if (with == column.end()) with = column.insert(with, {slot_[after.body], Matrix6::Zero()});
+        with->block.noalias() += wide(after.u) / diagonal[after.particle] * wide(before.u).transpose();
       }
   }
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto enter = [&](std::size_t row, std::size_t column, const Matrix6& block) {
-    for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 6; ++j)
-        entries.emplace_back(static_cast<int>(row) + i, static_cast<int>(column) + j, block(i, j));
-  };
+  const int unknowns = static_cast<int>(6 * own.size());
+  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
+  std::vector<Slots> touching{{static_cast<std::uint32_t>(own.size()), 0}};
   double largest = 0;
   for (std::size_t k = 0; k < own.size(); ++k) {
     largest = std::max(largest, own[k].trace());
-    enter(6 * k, 6 * k, own[k] + Matrix6::Identity());
+    std::ranges::sort(shared_[k], {}, &Shared::slot);
+    for (const Shared& other : shared_[k]) touching.emplace_back(other.slot, k);
+    for (int j = 0; j < 6; ++j) {
+      const int column = 6 * static_cast<int>(k) + j;
+      matrix.startVec(column);
+      for (int i = j; i < 6; ++i) matrix.insertBack(6 * static_cast<int>(k) + i, column) = own[k](i, j) + (i == j);
+      for (const Shared& other : shared_[k])
+        for (int i = 0; i < 6; ++i) matrix.insertBack(6 * static_cast<int>(other.slot) + i, column) = other.block(i, j);
+    }
   }
-  std::vector<Slots> touching{{static_cast<std::uint32_t>(unknowns_), 0}};
-  for (const auto& [at, block] : shared) enter(at.first, at.second, block), touching.push_back(at);
+  matrix.finalize();
   // Blocks of bodies that share particles add up; more than two bodies at one particle are taken to be rare.
   norm_ = 2 * largest;
-  Eigen::SparseMatrix<double> matrix(static_cast<int>(unknowns_), static_cast<int>(unknowns_));
-  matrix.setFromTriplets(entries.begin(), entries.end());
   if (touching != touching_) {
     touching_ = std::move(touching);
     factor_.analyzePattern(matrix);
@@ -207,12 +222,12 @@ void BodyRows::factor(std::span<const float> diagonal) {
 }
 
 void BodyRows::solve(std::vector<Vector6>& y) const {
-  Eigen::VectorXd packed(static_cast<int>(unknowns_));
+  Eigen::VectorXd packed(factor_.rows());
   for (std::size_t b = 0; b < y.size(); ++b)
-    if (slot_[b] != kNone) packed.segment<6>(slot_[b]) = y[b];
+    if (slot_[b] != kNone) packed.segment<6>(6 * slot_[b]) = y[b];
   packed = factor_.solve(packed).eval();
   for (std::size_t b = 0; b < y.size(); ++b)
-    if (slot_[b] != kNone) y[b] = packed.segment<6>(slot_[b]);
+    if (slot_[b] != kNone) y[b] = packed.segment<6>(6 * slot_[b]);
 }
 
 std::size_t BodyRows::memory() const {

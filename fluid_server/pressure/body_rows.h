@@ -15,10 +15,10 @@ namespace ballast::fluid {
 class BodyRows {
  public:
   /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples, `inverse_w` by which a
-  /// sample weighs the pressures that it extrapolates, per sample.
+  /// sample weighs the pressures that it extrapolates, per sample; `pairs` from sum_rows.
   void build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
-             const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w, const PassConstants& constants,
-             double dt);
+             const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w, const KeptPairs& pairs,
+             const PassConstants& constants, double dt);
   bool empty() const { return row_.empty(); }
   bool moves(std::size_t body) const { return first_[body] < first_[body + 1]; }
 
@@ -48,7 +48,8 @@ class BodyRows {
   void find_wet(const Neighbourhood& items, const Samples& samples, const std::vector<SampleSums>& sums);
   void add_rows(const Neighbourhood& items, const Samples& samples, const exchange::BodyState& state,
                 std::uint32_t body, const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w,
-                const PassConstants& constants, std::vector<std::uint32_t>& row_of, std::vector<Row>& out) const;
+                const KeptPairs& pairs, const PassConstants& constants, std::vector<std::uint32_t>& row_of,
+                std::vector<Row>& out) const;
   void index_particles(std::size_t particles);
 
   int threads_ = 1;
@@ -62,9 +63,13 @@ class BodyRows {
   std::vector<std::vector<std::uint32_t>> row_of_;  // by thread: row of each particle in the body at hand
   std::vector<std::uint32_t> slot_;                 // of each body among those with rows, ~0u without
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+  struct Shared {
+    std::uint32_t slot;  // of the second of two bodies at the same particles
+    Matrix6 block;
+  };
+  std::vector<std::vector<Shared>> shared_;  // by slot of the first
   using Slots = std::pair<std::uint32_t, std::uint32_t>;
   std::vector<Slots> touching_;  // bodies at the same particles when the factor's pattern was analysed, after its size
-  std::size_t unknowns_ = 0;
   double norm_ = 0;
 };
 

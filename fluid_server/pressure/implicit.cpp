@@ -22,6 +22,7 @@ constexpr double kFullMove = 0.4;  // spacings at that speed, in a step that tak
 constexpr float kPull = 0.05f;     // of the compression to the summed density, per step, inside the fluid
 constexpr float kSpray = 0.5f;     // fullness of what is spray
 constexpr float kWorst = 1e-2f;    // density error that a step may leave in any particle
+constexpr double kGain = 1.5;      // by which a product lowers the error, at best but for easy systems
 constexpr double kFelt = 0.5;      // of what a body's acceleration may change, that cut off pressures may change it by
 constexpr double kLoosest = 0.1;   // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
@@ -118,11 +119,12 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
   history_.clear();
+  foreseen_ = start_;
   MprgpReport solved =
       mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
                    options_.most_products, threads);
   left_ = mprgp_.gradient();
-  if (!bodies_.empty() && correct_bodies()) {
+  if (!bodies_.empty() && foreseen_now_ && correct_bodies()) {
     ++solved.products;
     left_ = scaled_;
   }
@@ -238,25 +240,23 @@ void ImplicitPressure::precondition(std::span<const float> r, std::vector<float>
 }
 
 bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gradient) {
-  const bool with_bodies = !bodies_.empty();
-  if (with_bodies) scaled_.resize(gradient.size());
   const auto found = fold<DensityError>(x.size(), constants_->threads, [&](std::size_t f, DensityError& part) {
     const float size = std::abs(gradient[f]);
     part.worst = std::max(part.worst, size / particles_->record[f].volume);
     part.sum += size;
     part.volume += particles_->record[f].volume;
-    if (with_bodies) scaled_[f] = gradient[f] / diagonal_[f];
   });
   volume_ = found.volume;
   report_.residual = volume_ > 0 ? found.sum / volume_ : 0;
-  const bool density = report_.residual <= options_.tolerance && found.worst <= kWorst;
-  if (!with_bodies) return density;
-  foresee(x);
-  find_correction();
-  for (std::size_t b = 0; b < foreseen_.size(); ++b) foreseen_[b] -= bodies_.motion(b, gained_[b]) / dt_;
+  const double error = std::max(report_.residual / options_.tolerance, static_cast<double>(found.worst / kWorst));
+  if (bodies_.empty()) return error <= 1;
+  // Bodies are looked at over the last products only: the density is seldom right sooner.
+  foreseen_now_ = error <= std::pow(kGain, options_.body_products);
+  if (!foreseen_now_) return false;
+  foresee(x, gradient);
   history_.push_back(foreseen_);
   if (history_.size() > options_.body_products + 1) history_.pop_front();
-  if (!density || history_.size() <= options_.body_products) return false;
+  if (!(error <= 1) || history_.size() <= options_.body_products) return false;
   for (std::size_t b = 0; b < foreseen_.size(); ++b)
     if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > allowed(b)) return false;
   return true;
@@ -279,23 +279,26 @@ double ImplicitPressure::allowed(std::size_t body) const {
   return std::max(options_.body_tolerance * size, std::min(unseen, kLoosest * size));
 }
 
-/// The accelerations of the bodies by these pressures.
-void ImplicitPressure::foresee(std::span<const float> x) {
-  bodies_.reduce(x, reduced_);
-  foreseen_.resize(reduced_.size());
-  for (std::size_t b = 0; b < reduced_.size(); ++b) foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_;
-}
-
-/// While a solve is under way a light body's acceleration swings by several g: the smallest error of the force on it
-/// moves it. What it settles to shows much sooner: with g the gradient, c = U^T D^-1 g and T = 1 + U^T D^-1 U the
-/// correction x -= D^-1 U T^-2 c moves the bodies to where the fluid beside them would have them, and hardly moves
-/// heavy ones. Finds T^-2 c, and what it takes from U^T x: T^-1 c - T^-2 c, with D^-1 g in `scaled_`.
-void ImplicitPressure::find_correction() {
+/// The accelerations of the bodies by these pressures, and by their correction. While a solve is under way a light
+/// body's acceleration swings by several g: the smallest error of the force on it moves it. What it settles to shows
+/// much sooner: with g the gradient, c = U^T D^-1 g and T = 1 + U^T D^-1 U the correction x -= D^-1 U T^-2 c moves the
+/// bodies to where the fluid beside them would have them, and hardly moves heavy ones. Finds T^-2 c, and what it takes
+/// from U^T x: T^-1 c - T^-2 c.
+void ImplicitPressure::foresee(std::span<const float> x, std::span<const float> gradient) {
+  scaled_.resize(gradient.size());
+  for_blocks(gradient.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) scaled_[f] = gradient[f] / diagonal_[f];
+  });
   bodies_.reduce(scaled_, gained_);
   bodies_.solve(gained_);
   correction_ = gained_;
   bodies_.solve(correction_);
-  for (std::size_t b = 0; b < gained_.size(); ++b) gained_[b] -= correction_[b];
+  bodies_.reduce(x, reduced_);
+  foreseen_.resize(reduced_.size());
+  for (std::size_t b = 0; b < reduced_.size(); ++b) {
+    gained_[b] -= correction_[b];
+    foreseen_[b] = start_[b] + bodies_.motion(b, reduced_[b]) / dt_ - bodies_.motion(b, gained_[b]) / dt_;
+  }
 }
 
 /// Makes the last correction found, if it moves a body by more than is allowed: true, with the gradient in `scaled_`.

@@ -85,8 +85,7 @@ class ImplicitPressure : private QuadraticProgram {
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
   double slowest_wave(const Particles& particles) const;
-  void foresee(std::span<const float> x);
-  void find_correction();
+  void foresee(std::span<const float> x, std::span<const float> gradient);
   double allowed(std::size_t body) const;
   bool correct_bodies();
 
@@ -116,7 +115,8 @@ class ImplicitPressure : private QuadraticProgram {
   std::vector<Flow> flow_;
   std::vector<float> scaled_;
   std::vector<Vector6> reduced_, foreseen_, start_;
-  std::vector<Vector6> correction_, gained_;  // find_correction
+  std::vector<Vector6> correction_, gained_;  // foresee
+  bool foreseen_now_ = false;                 // with the last pressures tested
   std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
   std::vector<float> last_;                   // release
   std::span<const float> left_;               // the right side that the last solve has not met

@@ -43,7 +43,7 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
   std::vector<float>& invariant = right_;  // not yet known
   apply_divergence(items, *constants_, inverse_w_, flow_, divergence_, invariant);
   if (!at_release_) add_second_order(particles, invariant);
-  bodies_.build(items, samples_, states, sums, inverse_w_, *constants_, dt_);
+  bodies_.build(items, samples_, states, sums, inverse_w_, pairs_, *constants_, dt_);
   weigh_samples(items, inverse_w_, constants_->threads, pairs_, flow_);
   find_diagonal(items, extras, *constants_, rows_, pairs_, diagonal_);
 

@@ -55,7 +55,8 @@ struct TwoBoxes {
     extras.density.assign(1, 1000.f);
     gather_samples(*items, extras, constants, sums);
     for (const SampleSums& s : sums) inverse_w.push_back(s.w > 0 ? 0.7f / s.w : 0.f);
-    rows.build(*items, samples, states, sums, inverse_w, constants, kStep);
+    sum_rows(*items, extras, constants, row_sums, pairs);
+    rows.build(*items, samples, states, sums, inverse_w, pairs, constants, kStep);
   }
   std::vector<float> random_pressures() const {
     std::mt19937 random(11);
@@ -99,6 +100,8 @@ struct TwoBoxes {
   std::unique_ptr<Neighbourhood> items;
   std::vector<SampleSums> sums;
   std::vector<float> inverse_w;
+  std::vector<RowSums> row_sums;
+  KeptPairs pairs;
   BodyRows rows;
 };
 
