@@ -33,6 +33,15 @@ TEST(Shares, CoverEverythingOnceAtEqualCost) {
     }
 }
 
+TEST(Turns, TakeEveryTaskOnce) {
+  for (const std::size_t n : {0u, 1u, 2u, 1000u})
+    for (const int threads : {1, 2, 4}) {
+      std::vector<int> visits(n, 0);
+      for_each_by_turns(n, threads, [&](std::size_t k) { ++visits[k]; });
+      EXPECT_EQ(visits, std::vector<int>(n, 1)) << n << " of " << threads;
+    }
+}
+
 /// Killed, a process must not leave shared memory: there must be none with a name (openmp_runtime.cpp).
 TEST(Shares, TheirThreadsLeaveNoSharedMemory) {
   int threads = 0;
