@@ -33,8 +33,9 @@ double now() { return std::chrono::duration<double>(Clock::now().time_since_epoc
 
 /// The founding scene with the front just before the blocks, so that they are wet within the steps measured.
 Result<Scene> make_scene() {
-  return read_scene(BALLAST_SOURCE_DIR "/scenes/stacked_blocks.yaml",
-                    {{"fluids.water.fill.box.max", "[1, 0.6, 0.36]"}, {"fluids.water.velocity", "[1, 0, 0]"}});
+  return read_scene(BALLAST_SOURCE_DIR "/scenes/stacked_blocks.yaml", {{"fluids.water.fill.box.max", "[1, 0.6, 0.36]"},
+                                                                       {"fluids.water.velocity", "[1, 0, 0]"},
+                                                                       {"numerics.pressure", "wcsph"}});
 }
 
 struct Setting {
