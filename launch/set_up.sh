@@ -101,7 +101,7 @@ build() {
       printf '\r\033[Kballast: building %s' "${line%%]*}]" >&2
     elif [ -z "$announced" ]; then
       announced=1
-      say "building in $folder"
+      say "building in $folder (the first time that takes minutes)"
     fi
   done; then
     [ -t 2 ] && printf '\r\033[K' >&2
