@@ -32,33 +32,28 @@ void BodyRows::build(const Neighbourhood& items, const Samples& samples, std::sp
                      const PassConstants& constants, double dt) {
   threads_ = constants.threads;
   const auto moves_freely = [](const exchange::BodyState& state) { return !mobility_of(state).isZero(0); };
-  row_.clear();
-  first_.assign(states.size() + 1, 0);
+  count_ = 0;
   root_.assign(states.size(), Matrix6::Zero());
+  rows_.resize(states.size());
+  for (std::vector<Row>& rows : rows_) rows.clear();
   if (std::none_of(states.begin(), states.end(), moves_freely)) return;
 #pragma omp parallel for num_threads(threads_) schedule(static) if (states.size() > kFewBodies)
   for (std::size_t b = 0; b < states.size(); ++b)
     if (moves_freely(states[b])) root_[b] = root_of(mobility_of(states[b]));
   find_wet(items, samples, sums);
-  part_.resize(states.size());
   row_of_.resize(static_cast<std::size_t>(threads_));
   for_each_by_turns(states.size(), threads_, [&](std::size_t b) {
     std::vector<std::uint32_t>& row_of = row_of_[static_cast<std::size_t>(omp_get_thread_num())];
     row_of.resize(items.fluid_item.size(), kNone);
-    part_[b].clear();
-    add_rows(items, samples, states[b], static_cast<std::uint32_t>(b), sums, inverse_w, pairs, constants, row_of,
-             part_[b]);
-    for (Row& row : part_[b]) {
+    std::vector<Row>& rows = rows_[b];
+    add_rows(items, samples, states[b], static_cast<std::uint32_t>(b), sums, inverse_w, pairs, constants, row_of, rows);
+    for (Row& row : rows) {
       row_of[row.particle] = kNone;
       const Vector6 u = dt * (root_[b] * wide(row.u));
       Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.u) = u.cast<float>();
     }
-    std::sort(part_[b].begin(), part_[b].end(), [](const Row& p, const Row& q) { return p.particle < q.particle; });
+    std::ranges::sort(rows, {}, &Row::particle);
   });
-  for (std::size_t b = 0; b < states.size(); ++b) {
-    row_.insert(row_.end(), part_[b].begin(), part_[b].end());
-    first_[b + 1] = static_cast<std::uint32_t>(row_.size());
-  }
   index_particles(items.fluid_item.size());
 }
 
@@ -120,24 +115,27 @@ void BodyRows::add_rows(const Neighbourhood& items, const Samples& samples, cons
 
 void BodyRows::index_particles(std::size_t particles) {
   std::vector<std::uint32_t> at(particles + 1, 0);
-  for (const Row& row : row_) ++at[row.particle + 1];
+  for (const std::vector<Row>& rows : rows_)
+    for (const Row& row : rows) ++at[row.particle + 1];
+  count_ = 0;
   particle_start_.clear();
   for (std::size_t p = 0; p < particles; ++p) {
     if (at[p + 1] > 0) particle_start_.push_back(at[p]);
     at[p + 1] += at[p];
   }
-  particle_start_.push_back(static_cast<std::uint32_t>(row_.size()));
-  by_particle_.resize(row_.size());
-  for (std::uint32_t r = 0; r < row_.size(); ++r) by_particle_[at[row_[r].particle]++] = r;
+  count_ = at[particles];
+  particle_start_.push_back(count_);
+  by_particle_.resize(count_);
+  for (const std::vector<Row>& rows : rows_)
+    for (const Row& row : rows) by_particle_[at[row.particle]++] = &row;
 }
 
 void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
   y.resize(root_.size());
-#pragma omp parallel for num_threads(threads_) schedule(static, 1) if (row_.size() > kSerial)
+#pragma omp parallel for num_threads(threads_) schedule(static, 1) if (count_ > kSerial)
   for (std::size_t b = 0; b < root_.size(); ++b) {
     y[b].setZero();
-    for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
-      const Row& row = row_[k];
+    for (const Row& row : rows_[b]) {
       const double value = x[row.particle];
       for (int c = 0; c < 6; ++c) y[b][c] += value * row.u[c];
     }
@@ -147,10 +145,10 @@ void BodyRows::reduce(std::span<const float> x, std::vector<Vector6>& y) const {
 template <class Add>
 void BodyRows::for_each_row(std::span<const Vector6> y, Add&& add) const {
   const std::size_t count = particle_start_.size() - 1;
-#pragma omp parallel for num_threads(threads_) schedule(static) if (row_.size() > kSerial)
+#pragma omp parallel for num_threads(threads_) schedule(static) if (count_ > kSerial)
   for (std::size_t p = 0; p < count; ++p)
     for (std::uint32_t k = particle_start_[p]; k < particle_start_[p + 1]; ++k) {
-      const Row& row = row_[by_particle_[k]];
+      const Row& row = *by_particle_[k];
       double sum = 0;
       for (int c = 0; c < 6; ++c) sum += row.u[c] * y[row.body][c];
       add(row.particle, static_cast<float>(sum));
@@ -172,12 +170,12 @@ void BodyRows::factor(std::span<const float> diagonal) {
     if (moves(b)) slot_[b] = slots++;
   if (slots == 0) return;
   std::vector<Matrix6> own(slots, Matrix6::Zero());  // of each body
-  for_each_by_turns(root_.size(), row_.size() > kSerial ? threads_ : 1, [&](std::size_t b) {
+  for_each_by_turns(root_.size(), count_ > kSerial ? threads_ : 1, [&](std::size_t b) {
     if (!moves(b)) return;
     Matrix6 sum = Matrix6::Zero();
-    for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
-      const Vector6 u = wide(row_[k].u);
-      sum.noalias() += u / diagonal[row_[k].particle] * u.transpose();
+    for (const Row& row : rows_[b]) {
+      const Vector6 u = wide(row.u);
+      sum.noalias() += u / diagonal[row.particle] * u.transpose();
     }
     own[slot_[b]] = sum;
   });
@@ -188,7 +186,7 @@ void BodyRows::factor(std::span<const float> diagonal) {
     const std::uint32_t begin = particle_start_[p], end = particle_start_[p + 1];
     for (std::uint32_t s = begin; s < end; ++s)
       for (std::uint32_t r = s + 1; r < end; ++r) {
-        const Row &before = row_[by_particle_[s]], &after = row_[by_particle_[r]];
+        const Row &before = *by_particle_[s], &after = *by_particle_[r];
         std::vector<Shared>& column = shared_[slot_[before.body]];
         auto with = std::ranges::find(column, slot_[after.body], &Shared::slot);
         if (with == column.end()) with = column.insert(with, {slot_[after.body], Matrix6::Zero()});
@@ -231,11 +229,13 @@ void BodyRows::solve(std::vector<Vector6>& y) const {
 }
 
 std::size_t BodyRows::memory() const {
-  std::size_t words = by_particle_.capacity() + first_.capacity() + particle_start_.capacity() + wet_.capacity();
-  std::size_t rows = row_.capacity();
-  for (const auto& part : part_) rows += part.capacity();
+  std::size_t words = particle_start_.capacity() + first_wet_.capacity() + wet_.capacity() + slot_.capacity();
+  std::size_t rows = 0, blocks = 0;
+  for (const auto& of_body : rows_) rows += of_body.capacity();
   for (const auto& row_of : row_of_) words += row_of.capacity();
-  return rows * sizeof(Row) + words * sizeof(std::uint32_t) + root_.capacity() * sizeof(Matrix6);
+  for (const auto& column : shared_) blocks += column.capacity();
+  return rows * sizeof(Row) + by_particle_.capacity() * sizeof(Row*) + words * sizeof(std::uint32_t) +
+         root_.capacity() * sizeof(Matrix6) + blocks * sizeof(Shared);
 }
 
 }  // namespace ballast::fluid

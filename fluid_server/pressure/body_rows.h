@@ -14,13 +14,16 @@ namespace ballast::fluid {
 
 class BodyRows {
  public:
+  BodyRows() = default;
+  BodyRows(const BodyRows&) = delete;  // rows are pointed at
+  BodyRows& operator=(const BodyRows&) = delete;
   /// Gathers the rows. Bodies without mobility have none. `sums` as from gather_samples, `inverse_w` by which a
   /// sample weighs the pressures that it extrapolates, per sample; `pairs` from sum_rows.
   void build(const Neighbourhood& items, const Samples& samples, std::span<const exchange::BodyState> states,
              const std::vector<SampleSums>& sums, const std::vector<float>& inverse_w, const KeptPairs& pairs,
              const PassConstants& constants, double dt);
-  bool empty() const { return row_.empty(); }
-  bool moves(std::size_t body) const { return first_[body] < first_[body + 1]; }
+  bool empty() const { return count_ == 0; }
+  bool moves(std::size_t body) const { return !rows_[body].empty(); }
 
   /// y_b = sum_i U_ib x_i, for each body.
   void reduce(std::span<const float> x, std::vector<Vector6>& y) const;
@@ -53,13 +56,12 @@ class BodyRows {
   void index_particles(std::size_t particles);
 
   int threads_ = 1;
-  std::vector<Row> row_;                            // by body, in it by particle
-  std::vector<std::uint32_t> first_;                // first row of each body, and the end
-  std::vector<std::uint32_t> by_particle_;          // row indices by particle
+  std::vector<std::vector<Row>> rows_;              // of each body, by particle
+  std::uint32_t count_ = 0;                         // of all rows
+  std::vector<const Row*> by_particle_;             // by particle, of each by body
   std::vector<std::uint32_t> particle_start_;       // in by_particle_: of each particle that has a row, and the end
   std::vector<Matrix6> root_;                       // sqrt of the mobility, per body; zero without
   std::vector<std::uint32_t> wet_, first_wet_;      // indices into the sums of wet samples, by body
-  std::vector<std::vector<Row>> part_;              // rows of each body, before they are joined
   std::vector<std::vector<std::uint32_t>> row_of_;  // by thread: row of each particle in the body at hand
   std::vector<std::uint32_t> slot_;                 // of each body among those with rows, ~0u without
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
