@@ -113,23 +113,17 @@ void RowsAll(const Neighbourhood& items, const ItemExtras& extras, const PassCon
              KeptPairs& kept) {
   const Rows<Dim, K> rows(items, extras, constants);
   kept.make_room_for_slopes(items, kLanes, constants.threads);
-  const auto slopes = [&](std::uint32_t item) {
-    return kept.slope.data() + std::size_t{kept.slopes_before[item]} * kLanes;
-  };
   for_each_in(items.fluid_shares, constants.threads, [&](std::uint32_t f) {
     const std::uint32_t item = items.fluid_item[f];
-    sums[f] = rows.row_sums(item, slopes(item), kept.sum[f]);
+    sums[f] = rows.row_sums(item, kept.slopes_of(item), kept.sum[f]);
   });
   kept.make_room_for_values(items, constants.threads);
-  const auto values = [&](std::uint32_t item) {
-    return kept.value.data() + std::size_t{kept.values_before[item]} * kLanes;
-  };
   for_each_in(items.fluid_shares, constants.threads, [&](std::uint32_t f) {
-    if (kept.sum[f].touches_samples != 0) rows.keep_values(items.fluid_item[f], values(items.fluid_item[f]));
+    if (kept.sum[f].touches_samples != 0) rows.keep_values(items.fluid_item[f], kept.values_of(items.fluid_item[f]));
   });
   for_each_in(items.sample_shares, constants.threads, [&](std::uint32_t s) {
     const std::uint32_t item = items.sample_item[s];
-    rows.keep_sample(item, slopes(item), values(item));
+    rows.keep_sample(item, kept.slopes_of(item), kept.values_of(item));
   });
 }
 

@@ -174,6 +174,8 @@ struct KeptPairs {
   std::vector<std::uint32_t> active_shares;  ///< of these
   std::uint32_t lanes = 1;                   ///< of a vector
   /// What is kept of an item's list, in its order.
+  float* slopes_of(std::uint32_t item) { return slope.data() + std::size_t{slopes_before[item]} * lanes; }
+  float* values_of(std::uint32_t item) { return value.data() + std::size_t{values_before[item]} * lanes; }
   const float* slopes_of(std::uint32_t item) const { return slope.data() + std::size_t{slopes_before[item]} * lanes; }
   const float* values_of(std::uint32_t item) const { return value.data() + std::size_t{values_before[item]} * lanes; }
   /// Room for the slopes of all lists of these items, in vectors of `in_vector`; for their values, once `sum` is known.

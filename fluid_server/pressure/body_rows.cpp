@@ -117,7 +117,6 @@ void BodyRows::index_particles(std::size_t particles) {
   std::vector<std::uint32_t> at(particles + 1, 0);
   for (const std::vector<Row>& rows : rows_)
     for (const Row& row : rows) ++at[row.particle + 1];
-  count_ = 0;
   particle_start_.clear();
   for (std::size_t p = 0; p < particles; ++p) {
     if (at[p + 1] > 0) particle_start_.push_back(at[p]);

@@ -104,8 +104,7 @@ struct Run {
 Run run(const Variant& variant, const fs::path& programs, const fs::path& out) {
   const std::string command = fmt::format(
       "'{}' run '{}/scenes/stacked_blocks.yaml' --quiet --no-expect --duration 0.5s --set numerics.pressure=wcsph "
-      "--out '{}' "
-      "{}{} >&2",
+      "--out '{}' {}{} >&2",
       (programs / "ballast_coordinator").string(), BALLAST_SOURCE_DIR, out.string(), variant.options,
       std::strcmp(variant.options, "--lcm") == 0 ? fmt::format(" --lcm-url '{}'", kUrl) : "");
   const auto began = Clock::now();
