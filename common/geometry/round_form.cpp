@@ -1,4 +1,5 @@
 // Solids of revolution: sphere and disc, cylinder, capsule, and the rooms inside hollow spheres and cylinders.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -43,33 +44,51 @@ std::vector<Cell> room_radius(double radius, double wall, double spacing) {
   return cells;
 }
 
-// Points spread evenly over a circle of the x-y plane; a circle too small for two becomes its centre.
+// A sample stands at the centroid of the piece of its layer that it stands for, or the body that the fluid feels would
+// be smaller than it is, by d^2 / (12 R^2) of a cylinder. Mean radius of a layer:
+double ring_mean(const Cell& c) {
+  const double lo = c.centre - 0.5 * c.width, hi = c.centre + 0.5 * c.width;
+  return 2.0 / 3.0 * (hi * hi + hi * lo + lo * lo) / (hi + lo);
+}
+double shell_mean(const Cell& c) {
+  const double lo = c.centre - 0.5 * c.width, hi = c.centre + 0.5 * c.width;
+  return 0.75 * (hi + lo) * (hi * hi + lo * lo) / (hi * hi + hi * lo + lo * lo);
+}
+// Mean cosine over a piece: of an arc of half an angle `half`, and of a round piece of a unit sphere.
+double arc_mean(double half) { return std::sin(half) / half; }
+double cap_mean(double area) { return std::max(0.0, 1 - area / (4 * kPi)); }
+
+// Points spread evenly over a circle of the x-y plane; one alone is its centre.
 std::vector<Vec3> circle_points(const Cell& ring, std::size_t index, double spacing) {
   const int n = std::max(1, static_cast<int>(std::lround(2 * kPi * ring.centre / spacing)));
   if (n == 1) return {Vec3::Zero()};
+  const double r = ring_mean(ring) * arc_mean(kPi / n);
   std::vector<Vec3> points;
   for (int i = 0; i < n; ++i) {
     const double angle = 2 * kPi * (i + 0.5 * static_cast<double>(index % 2)) / n;
-    points.emplace_back(ring.centre * std::cos(angle), ring.centre * std::sin(angle), 0);
+    points.emplace_back(r * std::cos(angle), r * std::sin(angle), 0);
   }
   return points;
 }
 
-// The same over a shell of radius r about the axis from -half to half (half = 0: a sphere), on a Fibonacci spiral.
-// Zones of equal height have equal area on the caps as on the middle (Archimedes), so z advances evenly along the whole
-// spiral.
-std::vector<Vec3> shell_points(double r, double half, double spacing) {
-  const double area = 4 * kPi * r * (r + half), height = 2 * (r + half);
+// The same over a shell about the axis from -half to half (half = 0: a sphere), on a Fibonacci spiral. Zones of equal
+// height have equal area on the caps as on the middle (Archimedes), so z advances evenly along the whole spiral.
+std::vector<Vec3> shell_points(const Cell& shell, double half, double spacing) {
+  const double r = shell.centre, area = 4 * kPi * r * (r + half), height = 2 * (r + half);
   // A shell thinner than the spacing still has its length to fill.
   const long along = half > 0 ? std::lround(height / spacing) : 1;
   const long n = std::max({1L, along, std::lround(area / (spacing * spacing))});
   if (n == 1) return {Vec3::Zero()};
+  const double piece = area / static_cast<double>(n) / (r * r);  // on a unit radius
+  const double on_cap = shell_mean(shell) * cap_mean(piece);
+  const double between = ring_mean(shell) * arc_mean(std::min(kPi, 0.5 * std::sqrt(piece)));
   std::vector<Vec3> points;
   for (long i = 0; i < n; ++i) {
     const double z = 0.5 * height * (1 - (2 * static_cast<double>(i) + 1.0) / static_cast<double>(n));
-    const double above = std::max(0.0, std::abs(z) - half), rho = std::sqrt(std::max(0.0, r * r - above * above));
-    const double angle = kGoldenAngle * static_cast<double>(i);
-    points.emplace_back(rho * std::cos(angle), rho * std::sin(angle), z);
+    const double above = std::max(0.0, std::abs(z) - half) / r, rho = std::sqrt(std::max(0.0, 1 - above * above));
+    const double angle = kGoldenAngle * static_cast<double>(i), out = rho * (above > 0 ? on_cap : between);
+    points.emplace_back(out * std::cos(angle), out * std::sin(angle),
+                        std::copysign(std::min(std::abs(z), half) + on_cap * above, z));
   }
   return points;
 }
@@ -126,7 +145,7 @@ class BallForm : public Form {
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const Cell& c = cells[k];
       if (!keep_cell(c.room, c.outer, request.depth)) continue;
-      const auto points = flat_ ? circle_points(c, k, request.spacing) : shell_points(c.centre, 0, request.spacing);
+      const auto points = flat_ ? circle_points(c, k, request.spacing) : shell_points(c, 0, request.spacing);
       const double hi = c.centre + 0.5 * c.width, lo = c.centre - 0.5 * c.width;
       const double volume = flat_ ? ring_area(c) : ball_volume(hi) - ball_volume(lo);
       const double share = volume / static_cast<double>(points.size());
@@ -245,7 +264,7 @@ class CapsuleForm : public Form {
     std::vector<SurfaceSample> samples;
     for (const Cell& c : solid_radius(radius_, request.spacing)) {
       if (!keep_cell(c.room, c.outer, request.depth)) continue;
-      const auto points = shell_points(c.centre, half_, request.spacing);
+      const auto points = shell_points(c, half_, request.spacing);
       const double whole = volume(c.centre + 0.5 * c.width) - volume(c.centre - 0.5 * c.width);
       for (const Vec3& p : points) samples.push_back({p, Vec3::Zero(), 0, whole / static_cast<double>(points.size())});
     }
