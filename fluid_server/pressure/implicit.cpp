@@ -122,7 +122,7 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
   foreseen_ = start_;
   MprgpReport solved =
       mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
-                   options_.most_products, threads);
+                   options_.most_products, threads, *acceleration_);
   left_ = mprgp_.gradient();
   if (!bodies_.empty() && foreseen_now_ && correct_bodies()) {
     ++solved.products;
