@@ -11,7 +11,7 @@ namespace ballast::fluid {
 namespace {
 
 constexpr float kNoise = 0.001f;     // compression that disorder alone may show
-constexpr float kDisorder = 0.01f;   // of the summed density, which is not pulled at
+constexpr float kDisorder = 0.01f;   // of the summed density, which is not pulled at; what the start shows up to kLag
 constexpr float kMostBias = 0.002f;  // of that sum, that is put down to disorder where a surface can sink
 constexpr float kLag = 0.02f;        // by how much the compression may be below the summed density
 constexpr float kGentle = 0.2f;      // share of that much compression that a step takes back
@@ -78,7 +78,7 @@ void ImplicitPressure::solve(Particles& particles, Neighbourhood& items, ItemExt
   sum_rows(items, extras, constants, rows_, pairs_);
   find_shares();
   const bool first = untouched(particles);
-  correct_compression(particles);
+  correct_compression(particles, first);
   if (first) release(particles, states, response, sums);
   without_pressure(states, response, sums);
   set_up(particles, states, response, sums);
@@ -179,12 +179,21 @@ void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
 /// water with a surface weighs that mean is limited: a loss of volume looks the same, and hid in it. And the
 /// compression is never far below the sum: a particle in a gap between solids may not hide what is around it. At a
 /// surface the sum is short of neighbours, but never less than the truth when it is above.
-void ImplicitPressure::correct_compression(Particles& particles) {
+/// What the start shows is disorder for certain, as its volume is exact, and more than that beside round bodies; it is
+/// forgotten as particles pass each other.
+void ImplicitPressure::correct_compression(Particles& particles, bool first) {
   const auto [excess, inside] = sum_of<2>(particles.size(), constants_->threads, [&](std::size_t f, auto& sum) {
     if (rows_[f].fullness > kInside) sum[0] += rows_[f].delta - 1 - particles.compression[f], ++sum[1];
   });
   float bias = inside > 0 ? static_cast<float>(excess / inside) : 0.f;
   if (weighs_ && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
+  if (first)
+    start_disorder_ = fold<DensityError>(particles.size(), constants_->threads, [&](std::size_t f, DensityError& part) {
+                        if (rows_[f].fullness > kInside)
+                          part.worst = std::max(part.worst, std::abs(rows_[f].delta - 1 - bias));
+                      }).worst;
+  const float more = std::clamp(start_disorder_, kDisorder, kLag) - kDisorder;
+  const float disorder = kDisorder + more * static_cast<float>(std::exp(-options_.way));
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];
@@ -193,19 +202,19 @@ void ImplicitPressure::correct_compression(Particles& particles) {
         e = seen;
       } else if (rows_[f].fullness > kInside) {
         const float off = seen - bias - e;
-        e = std::max(e + kPull * (off - std::clamp(off, -kDisorder, kDisorder)), seen - bias - kLag);
+        e = std::max(e + kPull * (off - std::clamp(off, -disorder, disorder)), seen - bias - kLag);
       } else {
         e = std::max(e, seen);
       }
     }
   });
-  float worst = 0;
-  for (const float e : particles.compression) worst = std::max(worst, e);
-  const auto [compressed] = sum_of<1>(particles.size(), constants_->threads, [&](std::size_t f, auto& sum) {
-    sum[0] += std::max(particles.compression[f], 0.f);
+  const auto found = fold<DensityError>(particles.size(), constants_->threads, [&](std::size_t f, DensityError& part) {
+    const float compressed = std::max(particles.compression[f], 0.f);
+    part.sum += compressed;
+    part.worst = std::max(part.worst, compressed);
   });
-  report_.found_mean = compressed / static_cast<double>(std::max<std::size_t>(particles.size(), 1));
-  report_.found_max = worst;
+  report_.found_mean = found.sum / static_cast<double>(std::max<std::size_t>(particles.size(), 1));
+  report_.found_max = found.worst;
 }
 
 void ImplicitPressure::multiply(std::span<const float> x, std::vector<float>& out) {

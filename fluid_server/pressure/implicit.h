@@ -22,6 +22,7 @@ struct ImplicitOptions {
   double tolerance = 1e-5;       ///< mean density error left by a step
   double body_tolerance = 1e-3;  ///< change of a body's acceleration over `body_products`, of max(|a|, reference)
   std::size_t body_products = 5;
+  double way = 0;            ///< that the fastest particles have gone past others since the start, spacings
   double weight = 0;         ///< |G| of the world, m/s^2, which bodies feel where the fluid does not (reduced gravity)
   int most_products = 2000;  ///< beyond which a step is counted as unreached
   std::function<void()> sign_of_life = [] {};  ///< called in every product: of many particles a solve takes minutes
@@ -58,7 +59,7 @@ class ImplicitPressure : private QuadraticProgram {
   /// The start of the next solve is in the particles; the norm is estimated once in a run.
   template <class A>
   void state(A& a) {
-    a("report", report_), a("norm", fluid_norm_);
+    a("report", report_), a("norm", fluid_norm_), a("start_disorder", start_disorder_);
   }
   std::size_t memory() const;
 
@@ -80,7 +81,7 @@ class ImplicitPressure : private QuadraticProgram {
   float softness(std::size_t f) const;
   void find_shares();
   void balance_closed(const Particles& particles);
-  void correct_compression(Particles& particles);
+  void correct_compression(Particles& particles, bool first);
   void add_second_order(const Particles& particles, std::span<const float> invariant);
   void predict(std::span<const exchange::BodyState> states, const Response& response);
   void estimate_norm();
@@ -122,6 +123,7 @@ class ImplicitPressure : private QuadraticProgram {
   std::span<const float> left_;               // the right side that the last solve has not met
   static constexpr float kInside = 0.8f;      // fullness of the inside
   static constexpr double kNegligible = 0.1;  // of the error that a step may leave
+  float start_disorder_ = 0;                  // deviation of the summed density that the start shows
   double fluid_norm_ = 0, volume_ = 0, mean_diagonal_ = 0;
   ImplicitReport report_;
 };

@@ -14,6 +14,7 @@ struct StepFacts {
   double meeting_speed = 0;     ///< the same against what is around them (meeting_speed.h); explicit: max_speed
   double max_acceleration = 0;  ///< of particles, m/s^2
   double max_move = 0;          ///< in the step just done, at that speed, spacings
+  double way = 0;               ///< of that in all steps
   double drag_rate = 0;         ///< at which viscosity slows the lightest body, 1/s; 0 where it cannot matter
   bool finite = true;           ///< no NaN anywhere
 };

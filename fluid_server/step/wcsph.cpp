@@ -92,6 +92,7 @@ void WcsphFluid::put_back() {
 void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   if (implicit_) {
     const AddingWatch watch(times_.pressure);
+    implicit_options_.way = facts_.way;
     implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, acceleration_,
                      implicit_options_);
   }
@@ -167,6 +168,7 @@ void WcsphFluid::move() {
       facts_.meeting_speed = meeting_speed(particles_, *items_, alone, constants_.threads);
     }
     facts_.max_move = facts_.meeting_speed * dt / spacing_;
+    facts_.way += facts_.max_move;
     for (const Record& r : samples_->moving()) {
       const double v = std::hypot(r.vx, r.vy, r.vz);
       facts_.max_speed = std::max(facts_.max_speed, v);
