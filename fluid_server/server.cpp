@@ -276,8 +276,13 @@ class Server {
       return ok();
     }
     interface_.begin(states_);
-    if (auto s = send(step.dt, iteration, 0, fluid_->contacts(), end); !s) return s;
-    if (!interface_.iterates()) fluid_->move();  // while the rigid process works
+    Status sent = ok();
+    const auto send_wrenches = [&] { sent = send(step.dt, iteration, 0, fluid_->contacts(), end); };
+    if (interface_.iterates())
+      send_wrenches();
+    else
+      fluid_->move(send_wrenches);  // while the rigid process works
+    if (!sent) return sent;
     if (auto s = take_answer(iteration); !s) return s;
     while (!interface_.settle(fluid_->wrenches(), states_)) {
       repeat(step);

@@ -66,13 +66,16 @@ void GatherViscousAll(const Neighbourhood& items, const ItemExtras& extras, cons
 }
 
 template <int Dim, KernelKind K>
-void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
+void AccelerateAll(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a,
+                   const std::function<void()>& first) {
   const Pairs<Dim, K> pairs(items, extras, constants);
   // By turns: while particles move, the rigid process is at work, on one of the threads' cores.
   constexpr std::size_t kAtATime = 128;
   const std::size_t n = items.fluid_item.size();
-  for_each_by_turns((n + kAtATime - 1) / kAtATime, constants.threads, [&](std::size_t at) {
-    for (std::size_t f = at * kAtATime; f < std::min(n, (at + 1) * kAtATime); ++f)
+  for_each_by_turns(1 + (n + kAtATime - 1) / kAtATime, constants.threads, [&](std::size_t turn) {
+    if (turn == 0 && first) first();
+    if (turn == 0) return;
+    for (std::size_t f = (turn - 1) * kAtATime; f < std::min(n, turn * kAtATime); ++f)
       pairs.acceleration(items.fluid_item[f], a + 3 * f);
   });
 }
@@ -212,8 +215,9 @@ void GatherViscous(const Neighbourhood& items, const ItemExtras& extras, const P
                    ViscousSums* sums) {
   BALLAST_BY_KERNEL(GatherViscousAll, constants.kernel, items, extras, constants, sums);
 }
-void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a) {
-  BALLAST_BY_KERNEL(AccelerateAll, constants.kernel, items, extras, constants, a);
+void Accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants, float* a,
+                const std::function<void()>& first) {
+  BALLAST_BY_KERNEL(AccelerateAll, constants.kernel, items, extras, constants, a, first);
 }
 void AccelerateThese(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                      std::span<const std::uint32_t> particles, float* a) {
@@ -299,9 +303,9 @@ void gather_viscous(const Neighbourhood& items, const ItemExtras& extras, const 
   HWY_DYNAMIC_DISPATCH(GatherViscous)(items, extras, constants, sums.data());
 }
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                std::vector<float>& acceleration) {
+                std::vector<float>& acceleration, const std::function<void()>& first) {
   acceleration.resize(3 * items.fluid_item.size());
-  HWY_DYNAMIC_DISPATCH(Accelerate)(items, extras, constants, acceleration.data());
+  HWY_DYNAMIC_DISPATCH(Accelerate)(items, extras, constants, acceleration.data(), first);
 }
 void accelerate_some(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
                      std::span<const std::uint32_t> particles, std::vector<float>& acceleration) {

@@ -2,6 +2,7 @@
 // Symbols: r = x_i - x_j, g = W'(r)/r, so grad_i W_ij = g r; V rest volume, p pressure, v velocity, rho rest density.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -107,8 +108,9 @@ void find_evening(const Neighbourhood& items, const PassConstants& constants, st
 /// q_ij = rho (alpha c u + u^2) for pairs that approach with speed u: artificial viscosity (Monaghan 1992), its linear
 /// part between particles only, and the ram pressure of the encounter (von Neumann and Richtmyer 1950), second order in
 /// the spacing where the flow is smooth; with samples only where the constants say so.
+/// first() is called by one of the threads before it takes part, while the others begin.
 void accelerate(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,
-                std::vector<float>& acceleration);
+                std::vector<float>& acceleration, const std::function<void()>& first = {});
 
 /// The same for some particles, in their order.
 void accelerate_some(const Neighbourhood& items, const ItemExtras& extras, const PassConstants& constants,

@@ -120,11 +120,11 @@ void WcsphFluid::prepare_extras() {
   }
 }
 
-void WcsphFluid::move() {
+void WcsphFluid::move(const std::function<void()>& first) {
   sign_of_life_();
   {
     const AddingWatch watch(times_.motion);
-    accelerate(*items_, extras_, constants_, acceleration_);
+    accelerate(*items_, extras_, constants_, acceleration_, first);
     for (const Barrier::Push& push : barrier_->pushes())
       Eigen::Vector3f::Map(&acceleration_[3 * push.particle]) += push.gain / constants_.dt;
     if (attraction_rate_ > 0) attract();

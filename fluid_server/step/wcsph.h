@@ -70,8 +70,9 @@ class WcsphFluid {
   /// The wrenches once more, for the same states with other free accelerations; between begin() and move(), and only
   /// with the iterated scheme. Nothing has moved: neighbours, lists and what hangs on velocities are as they were.
   void again(std::span<const exchange::BodyState> states);
-  /// Second half: moves the particles. Afterwards limits() speaks of the new state.
-  void move();
+  /// Second half: moves the particles. Afterwards limits() speaks of the new state. first(): sends the wrenches. One
+  /// thread calls it while others are at work already, since whom it wakes may take that thread's core.
+  void move(const std::function<void()>& first = {});
   /// Back to the state before begin(); wrenches are void.
   void roll_back();
 
