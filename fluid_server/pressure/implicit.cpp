@@ -23,6 +23,9 @@ constexpr float kPull = 0.05f;     // of the compression to the summed density, 
 constexpr float kSpray = 0.5f;     // fullness of what is spray
 constexpr float kWorst = 1e-2f;    // density error that a step may leave in any particle
 constexpr double kGain = 1.5;      // by which a product lowers the error, at best but for easy systems
+// By how much more than allowed the error may be that has been within it: residuals rise and fall, what is left to
+// solve (in the energy of the system) only falls.
+constexpr double kBounce = 1.3;
 constexpr double kFelt = 0.5;      // of what a body's acceleration may change, that cut off pressures may change it by
 constexpr double kLoosest = 0.1;   // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
@@ -119,10 +122,11 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
   history_.clear();
+  reached_ = false;
   foreseen_ = start_;
   MprgpReport solved =
       mprgp_.solve(*this, diagonal_, right_, bounded_, pressure_, fluid_norm_ + (bodies_.empty() ? 0 : bodies_.norm()),
-                   options_.most_products, threads, *acceleration_);
+                   options_.most_products, threads);
   left_ = mprgp_.gradient();
   if (!bodies_.empty() && foreseen_now_ && correct_bodies()) {
     ++solved.products;
@@ -258,14 +262,15 @@ bool ImplicitPressure::good(std::span<const float> x, std::span<const float> gra
   volume_ = found.volume;
   report_.residual = volume_ > 0 ? found.sum / volume_ : 0;
   const double error = std::max(report_.residual / options_.tolerance, static_cast<double>(found.worst / kWorst));
-  if (bodies_.empty()) return error <= 1;
+  reached_ |= error <= 1;
+  if (bodies_.empty()) return reached_;
   // Bodies are looked at over the last products only: the density is seldom right sooner.
   foreseen_now_ = error <= std::pow(kGain, options_.body_products);
   if (!foreseen_now_) return false;
   foresee(x, gradient);
   history_.push_back(foreseen_);
   if (history_.size() > options_.body_products + 1) history_.pop_front();
-  if (!(error <= 1) || history_.size() <= options_.body_products) return false;
+  if (!reached_ || error > kBounce || history_.size() <= options_.body_products) return false;
   for (std::size_t b = 0; b < foreseen_.size(); ++b)
     if ((foreseen_[b] - history_.front()[b]).head<3>().norm() > allowed(b)) return false;
   return true;

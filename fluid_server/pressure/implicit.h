@@ -117,6 +117,7 @@ class ImplicitPressure : private QuadraticProgram {
   std::vector<float> scaled_;
   std::vector<Vector6> reduced_, foreseen_, start_;
   std::vector<Vector6> correction_, gained_;  // foresee
+  bool reached_ = false;                      // the tolerance of the density, by an iterate of this solve
   bool foreseen_now_ = false;                 // with the last pressures tested
   std::deque<std::vector<Vector6>> history_;  // accelerations of the bodies, one entry a test
   std::vector<float> last_;                   // release

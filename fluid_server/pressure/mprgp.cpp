@@ -1,7 +1,6 @@
 // Bound-constrained quadratic programs by MPRGP.
 #include "fluid_server/pressure/mprgp.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -20,7 +19,7 @@ struct Smallest {
 
 MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
                          std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
-                         int threads, std::span<float> room) {
+                         int threads) {
   program_ = &program;
   diagonal_ = diagonal;
   b_ = b;
@@ -29,8 +28,6 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   norm_ = norm;
   threads_ = threads;
   report_ = {};
-  mean_ = room.first(x.size()), mean_gradient_ = room.subspan(x.size(), x.size());
-  mean_error2_ = 0;
   for (auto* v : {&gradient_, &projected_, &direction_, &product_, &preconditioned_}) v->resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (bounded_[i]) x[i] = std::max(x[i], 0.f);
@@ -38,46 +35,19 @@ MprgpReport Mprgp::solve(QuadraticProgram& program, std::span<const float> diago
   fresh_ = true;
   for (;;) {
     split();
-    smooth();
-    if (program.good(mean_, projected_)) {
-      keep_mean();
+    if (program.good(x, projected_)) {
       report_.converged = cut_off();
-      if (report_.converged) return report_;
+      if (report_.converged) break;
       new_gradient();
       fresh_ = true;
-      mean_error2_ = 0;
       continue;
     }
     if (report_.products >= most_products) break;
     report_.proportionings += release_;
     if (!step()) break;  // nothing left to gain in this precision
   }
-  keep_mean();
   cut_off();
   return report_;
-}
-
-/// Iterates weigh by the inverse squares of their residuals. Where the mean is worse than the iterate, as after a
-/// change of what is free, it starts anew from there.
-void Mprgp::smooth() {
-  const auto take = [&](double share) {
-    const float s = static_cast<float>(share);
-    const auto [error2] = sum_of<1>(x_->size(), threads_, [&](std::size_t i, auto& sum) {
-      mean_[i] = s < 1 ? mean_[i] + s * ((*x_)[i] - mean_[i]) : (*x_)[i];
-      mean_gradient_[i] = s < 1 ? mean_gradient_[i] + s * (gradient_[i] - mean_gradient_[i]) : gradient_[i];
-      projected_[i] = follow(i, mean_[i], mean_gradient_[i]);
-      sum[0] += static_cast<double>(projected_[i]) * projected_[i] / diagonal_[i];
-    });
-    return error2;
-  };
-  const bool begins = !(mean_error2_ > 0);
-  mean_error2_ = take(begins ? 1 : mean_error2_ / (mean_error2_ + error2_));
-  if (!begins && !(mean_error2_ <= error2_)) mean_error2_ = take(1);
-}
-
-void Mprgp::keep_mean() {
-  std::copy(mean_.begin(), mean_.end(), x_->begin());
-  std::copy(mean_gradient_.begin(), mean_gradient_.end(), gradient_.begin());
 }
 
 bool Mprgp::cut_off() {
@@ -96,15 +66,15 @@ bool Mprgp::cut_off() {
 void Mprgp::split() {
   const std::vector<float>& x = *x_;
   const double longest = 1.9 / norm_;
-  const auto [clamped, slack, error2] = sum_of<3>(x.size(), threads_, [&](std::size_t i, auto& sum) {
-    const double g = follow(i, x[i], gradient_[i]), d = diagonal_[i];
-    sum[2] += g * g / d;
-    if (free(i))
+  const auto [clamped, slack] = sum_of<2>(x.size(), threads_, [&](std::size_t i, auto& sum) {
+    const bool is_free = free(i);
+    projected_[i] = is_free ? gradient_[i] : std::min(gradient_[i], 0.f);
+    const double g = projected_[i], d = diagonal_[i];
+    if (is_free)
       sum[1] += bounded_[i] ? std::min(g / d, x[i] / longest) * g : g * g / d;
     else
       sum[0] += g * g / d;
   });
-  error2_ = error2;
   release_ = clamped > std::max(slack, 0.0);
 }
 

@@ -3,8 +3,7 @@
 // semidefinite and known by its products. Conjugate gradients on the entries that are free (x > 0), joined by those of
 // the clamped that want to grow when their gradient dominates (proportioning); expansion when a step would leave the
 // bounds by more than is negligible. What is left of them by less is cut off at the end only:
-// cut off on the way, it would cost a gradient of its own every time. The result is not the last iterate but a mean of
-// them whose residual falls where theirs rise and fall (quasi-minimal residual smoothing: Zhou and Walker 1994).
+// cut off on the way, it would cost a gradient of its own every time.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -43,10 +42,10 @@ class Mprgp {
  public:
   /// `bounded` marks the entries that must not be negative. `diagonal` > 0 scales the entries: an approximation of A's.
   /// x holds the start (negative entries are clamped) and the result. `norm` bounds the largest eigenvalue of A scaled
-  /// by the diagonal and sets the length of the short steps. `room`, two numbers per entry, is scratch.
+  /// by the diagonal and sets the length of the short steps.
   MprgpReport solve(QuadraticProgram& program, std::span<const float> diagonal, std::span<const float> b,
                     std::span<const std::uint8_t> bounded, std::vector<float>& x, double norm, int most_products,
-                    int threads, std::span<float> room);
+                    int threads);
   /// A x - b at the result, before what does not matter was cut off.
   std::span<const float> gradient() const { return gradient_; }
   std::size_t memory() const;  ///< bytes of its arrays
@@ -55,14 +54,8 @@ class Mprgp {
   bool free(std::size_t i) const { return (*x_)[i] > 0 || !bounded_[i]; }
   bool moves(std::size_t i) const { return free(i) || (release_ && gradient_[i] < 0); }
   float clamp(std::size_t i, float value) const { return bounded_[i] ? std::max(value, 0.f) : value; }
-  /// A gradient as far as a value may follow it.
-  float follow(std::size_t i, float value, float gradient) const {
-    return value > 0 || !bounded_[i] ? gradient : std::min(gradient, 0.f);
-  }
-  bool cut_off();  ///< x to its bounds; false if that matters
-  void split();    ///< release_, error2_
-  void smooth();   ///< takes the iterate into the mean; projected_ becomes that of the mean
-  void keep_mean();
+  bool cut_off();   ///< x to its bounds; false if that matters
+  void split();     ///< gradient_ -> projected_, release_
   void redirect();  ///< direction_
   bool step();      ///< conjugate gradients, or expansion
   void expand(double alpha);
@@ -75,8 +68,6 @@ class Mprgp {
   std::span<const float> diagonal_, b_;
   std::span<const std::uint8_t> bounded_;
   std::vector<float>* x_ = nullptr;
-  std::span<float> mean_, mean_gradient_;  // of the iterates
-  double error2_ = 0, mean_error2_ = 0;    // squares of the residuals, in the metric of the diagonal
   double norm_ = 0;
   double curvature_ = 0;  // direction . A direction of the last step
   int threads_ = 1;
