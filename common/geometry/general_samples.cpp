@@ -92,17 +92,12 @@ class Sampler {
     std::vector<SurfaceSample> samples;
     for (std::size_t i = 0; i < seeds_.size(); ++i) {
       if (shares_[i] > 0)
-        samples.push_back({placed(i), Vec3::Zero(), 0, exact > 0 ? shares_[i] * exact / sum : shares_[i]});
+        samples.push_back({seeds_[i], Vec3::Zero(), 0, exact > 0 ? shares_[i] * exact / sum : shares_[i]});
     }
     return samples;
   }
 
  private:
-  // A seed's place in the end: the centroid of what it stands for, if that is inside.
-  Vec3 placed(std::size_t i) const {
-    const Vec3 centre = centres_[i] / shares_[i];
-    return form_.distance(centre) < 0 ? centre : seeds_[i];
-  }
   // Cubes are halved while they may hold solid of the layers: distance changes by at most what one moves.
   void fill_points() {
     if ((max_ - min_).minCoeff() < 0) return;
