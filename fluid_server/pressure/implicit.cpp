@@ -26,8 +26,8 @@ constexpr double kGain = 1.5;      // by which a product lowers the error, at be
 // By how much more than allowed the error may be that has been within it: residuals rise and fall, what is left to
 // solve (in the energy of the system) only falls.
 constexpr double kBounce = 1.3;
-constexpr double kFelt = 0.5;      // of what a body's acceleration may change, that cut off pressures may change it by
-constexpr double kLoosest = 0.1;   // change of a body's acceleration that any solve leaves, of max(|a|, reference)
+constexpr double kFelt = 0.5;     // of what a body's acceleration may change, that cut off pressures may change it by
+constexpr double kLoosest = 0.1;  // change of a body's acceleration that any solve leaves, of max(|a|, reference)
 
 /// The error of the density that a gradient stands for: its sum and the whole volume, m^3, and the largest as a share
 /// of a particle's volume.
