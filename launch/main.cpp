@@ -118,7 +118,9 @@ struct RunArguments {
         ->transform(CLI::Validator(to_seconds, ""))
         ->check(CLI::Range(0.2, 1e6))
         ->capture_default_str();
-    run.add_option("--references", options.references, "folder with reference curves")->type_name("DIR");
+    run.add_option("--references", options.references, "folder with reference curves")
+        ->type_name("DIR")
+        ->check(CLI::ExistingDirectory);
     run.add_flag("--picture", picture, "draw picture.png of the last state (needs povray)");
     run.add_flag("--vtk", vtk, "write ParaView files at every output time");
     run.add_flag("--lcm", lcm, "send live messages over LCM (ballast watch, ballast tap, ballast spy)");

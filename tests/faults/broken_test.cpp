@@ -150,6 +150,7 @@ TEST_F(BrokenScenes, BrokenOnTheCommandLineAreRefusedByItsName) {
       {{"--threads", "1024"}, "--threads"},
       {{"--threads", "0"}, "--threads"},
       {{"--threads", "two"}, "--threads"},
+      {{"--references", "/nowhere"}, "/nowhere"},
       {{"--timeout", "0"}, "--timeout"},
       {{"--timeout", "2 kg"}, "'2 kg' is a mass (kg), but a time (s) is needed"},
       {{"--replay", "nowhere.json"}, "nowhere.json"},
