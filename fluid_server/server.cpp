@@ -263,22 +263,22 @@ class Server {
 
   /// The step itself; reads like the one in the folder's README.
   Status try_step(Step& step, std::uint32_t& iteration, double end) {
-    fluid_->begin(states_, step.dt);
+    interface_.begin(states_, step_ == 0 && fluid_->implicit());
+    fluid_->begin(states_, step.dt, interface_.may_repeat());
     if (const double rate = fluid_->facts().drag_rate; rate * step.dt > kMostDrag) {
       // The last step could not know it: there was none, or a body has come into the fluid.
       fluid_->roll_back();
       step = {1 / rate, Limit::kViscosity};
-      fluid_->begin(states_, step.dt);
+      fluid_->begin(states_, step.dt, interface_.may_repeat());
     }
     states_before_ = states_;
     if (!coupled_) {
       fluid_->move();
       return ok();
     }
-    interface_.begin(states_);
     Status sent = ok();
     const auto send_wrenches = [&] { sent = send(step.dt, iteration, 0, fluid_->contacts(), end); };
-    if (interface_.iterates())
+    if (interface_.may_repeat())
       send_wrenches();
     else
       fluid_->move(send_wrenches);  // while the rigid process works
@@ -289,7 +289,7 @@ class Server {
       if (auto s = send(step.dt, ++iteration, 0, fluid_->contacts(), end); !s) return s;
       if (auto s = take_answer(iteration); !s) return s;
     }
-    if (interface_.iterates()) fluid_->move();
+    if (interface_.may_repeat()) fluid_->move();
     return ok();
   }
 
@@ -299,7 +299,7 @@ class Server {
     if (step_ > 0 || fluid_->implicit()) return fluid_->again(interface_.assumed());
     fluid_->roll_back();
     report_.quiet(fluid_->quiet_start(interface_.assumed()));
-    fluid_->begin(interface_.assumed(), step.dt);
+    fluid_->begin(interface_.assumed(), step.dt, true);
   }
 
   Status take_answer(std::uint32_t iteration) {

@@ -35,7 +35,7 @@ void Response::solve(Neighbourhood& items, ItemExtras& extras, const std::vector
     films_->solve(states, [&](std::uint32_t sample) -> std::optional<Seepage::Wet> {
       const Wet* wet = find(sample);
       if (!wet) return {};
-      return Seepage::Wet{wet->p0, wet->seen, wet->area.cast<double>()};
+      return Seepage::Wet{wet->p0, wet->seen, wet->area.cast<double>(), sums[at_[sample]].share};
     });
     if (!films_->empty()) find_accelerations(states, scheme, false);
     films_->press(states, acceleration_, constants.dt);

@@ -17,6 +17,7 @@ namespace {
 constexpr double kNarrow = 0.5, kWide = 1.0;  // gap in spacings up to which a film counts fully, and not at all
 // Gap in spacings up to which the particles at a rim lie beside the gap, and from which on they may be pressed into it.
 constexpr double kShut = 0.1, kAjar = 0.25;
+constexpr double kBesideGap = 0.8;   // gap in spacings of places beside a film, rounded or not
 constexpr double kRough = 0.05;      // gap of solids that touch, spacings: what is left open at corners
 constexpr double kOneSide = 0.7;     // cosine between normals of one film
 constexpr double kBeside = 1.5;      // distance of neighbouring places, spacings
@@ -33,7 +34,6 @@ Seepage::Seepage(const Scene& scene, const Samples& samples, std::span<const Bod
       samples_(samples),
       spacing_(scene.world.spacing),
       threads_(threads),
-      closes_(scene.numerics.pressure != Pressure::kImplicit),
       density_(density),
       weight_(density * gravity) {
   // Two half spaces on a lattice have n pairs of layers n apart: column (i, j) bears the sum of n V W'/r n d over them.
@@ -94,7 +94,7 @@ void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& 
   for (const Face& face : faces_) {
     if (!face.has_films) continue;
     bear(face, states);
-    if (closes_) note_closed(face, wet);
+    note_closed(face, wet);
   }
   close();
 }
@@ -108,16 +108,19 @@ void Seepage::read_rims(Face& face, const exchange::BodyState& state, const Find
   const auto in_air = [&](std::uint32_t j) {
     return !(face.covered[j].gap < kWide * spacing_) && !wet(face.places[j].sample);
   };
+  const auto beside = [&](std::uint32_t j) { return face.covered[j].gap > kBesideGap * spacing_; };
   for (std::size_t i = 0; i < face.covered.size(); ++i) {
     Covered& c = face.covered[i];
     if (!(c.share > 0)) continue;
     const Place& place = face.places[i];
     if (const std::optional<Wet> found = wet(place.sample)) {
+      c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
+      // Far inside a gap only what was trapped there is seen: the film bears on it, not it on the film.
+      if (c.gap < kNarrow * spacing_ && std::ranges::none_of(place.neighbours, beside)) continue;
       c.known = c.reached = true;
       const double shut = std::clamp((kAjar - c.gap / spacing_) / (kAjar - kShut), 0.0, 1.0);
       const double pressure = found->pressure + shut * (found->seen - found->pressure);
       c.head = pressure - column(c.point - samples_.depth[place.sample] * c.normal, state);
-      c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
     } else if (std::ranges::any_of(place.neighbours, in_air)) {
       c.known = c.reached = c.dry = true;
       c.head = -column(c.point, state);
@@ -155,7 +158,7 @@ void Seepage::note_closed(const Face& face, const FindWet& wet) {
     if (!(face.covered[i].reached && !face.covered[i].dry) && !wet(face.places[i].sample)) return;
   Closed& closed = closed_.emplace_back(face.body);
   for (std::uint32_t k = samples_.first[face.body]; k < samples_.first[face.body + 1]; ++k)
-    if (const auto found = wet(samples_.order[k])) closed.open += 2 * found->area;
+    if (const auto found = wet(samples_.order[k])) closed.open += (1 + found->share) * found->area;
 }
 
 /// Around such a body a uniform pressure has no force: what its samples do not bear of it, its films do. Their areas

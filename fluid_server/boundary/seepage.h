@@ -23,9 +23,10 @@ class Seepage {
 
   /// What the fluid does to a wet sample.
   struct Wet {
-    double pressure;  ///< that it bears, Pa
-    double seen;      ///< of the particles around it, Pa; the same but for thin sheets
-    Vec3 area;        ///< force per unit of pressure, m^2
+    double pressure;   ///< that it bears, Pa
+    double seen;       ///< of the particles around it, Pa; the same but for thin sheets
+    Vec3 area;         ///< force per unit of pressure, m^2
+    double share = 1;  ///< by which what it extrapolates is scaled
   };
   /// Of a sample, by its index; nothing if it is dry. Called from all threads.
   using FindWet = std::function<std::optional<Wet>(std::uint32_t)>;
@@ -104,7 +105,6 @@ class Seepage {
   const Samples& samples_;
   double spacing_;
   int threads_;
-  bool closes_;  // whether areas are set by what a uniform pressure leaves open: README.md
   double density_;
   Vec3 weight_;                // density times gravity
   std::vector<Box3> bounds_;   // of each body in its frame; infinite for planes

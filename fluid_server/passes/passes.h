@@ -142,6 +142,7 @@ struct RowSums {
   float delta;     ///< sum V_j W, self included; samples count
   float fullness;  ///< fluid's share of the room that solids leave, by -sum V_j g r^2: 1 inside, less at a surface
   float square;    ///< sum over fluid neighbours of V_j g^2 r^2 / rho_j
+  float room;      ///< share of its surroundings that solids leave, by the same sum
 };
 
 /// Velocity or acceleration per item beside its record, so that a pass can write one and read the other.

@@ -43,7 +43,7 @@ class Rows {
     whole = {total(sx), total(sy), total(sz), total(from_samples)};
     const float room = 1 - total(solid) / Dim;
     return {total(w) + pairs_.self_value(item), total(fluid) / (Dim * std::max(room, Pairs<Dim, K>::kLeastRoom)),
-            total(square)};
+            total(square), room};
   }
 
   /// Keeps W of a particle's pairs with samples.

@@ -21,6 +21,7 @@ constexpr double kFast = 0.1;
 constexpr double kFullMove = 0.4;  // spacings at that speed, in a step that takes back in full
 constexpr float kPull = 0.05f;     // of the compression to the summed density, per step, inside the fluid
 constexpr float kSpray = 0.5f;     // fullness of what is spray
+constexpr float kAjar = 0.3f;      // room from which on the summed density counts fully; from kShut on a little
 constexpr float kWorst = 1e-2f;    // density error that a step may leave in any particle
 constexpr double kGain = 1.5;      // by which a product lowers the error, at best but for easy systems
 // By how much more than allowed the error may be that has been within it: residuals rise and fall, what is left to
@@ -118,6 +119,7 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
     for (std::size_t f = begin; f < end; ++f)
       right_[f] = particles.record[f].volume * source_[f] - static_cast<float>(dt_ * divergence_[f]);
   });
+  for (const Held& held : held_) right_[held.particle] = held.right;
   balance_closed(particles);
   if (!bodies_.empty()) bodies_.factor(diagonal_);
   if (fluid_norm_ == 0) estimate_norm();
@@ -137,16 +139,21 @@ MprgpReport ImplicitPressure::find_pressure(const Particles& particles) {
 
 /// At the line where surface and wall meet, samples see the fluid move away along the wall, and the transposed
 /// divergence would hand that to the particles as expansion: they would be drawn into the wall. What a sample
-/// extrapolates therefore counts as far as the particles that it sees lie inside the fluid.
+/// extrapolates therefore counts as far as the particles that it sees lie inside the fluid. Between solids there is no
+/// air: what is pressed out of a closing gap must feel the pressure in it, or the last of it stays and bears the body.
 void ImplicitPressure::find_shares() {
   constexpr float kOutside = 0.7f, kWithin = 0.85f;  // fullness of a particle that lies not at all, fully inside
   constexpr float kFew = 0.5f, kMany = 0.9f;         // share of such particles with which a sample counts not, fully
+  constexpr float kTight = 0.2f, kOpen = 0.4f;       // room in a gap between solids, in one that water flows through
   const std::size_t n = particles_->size();
   std::vector<float>& inside = divergence_;  // not yet known
   inside.resize(n);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      inside[f] = std::clamp((rows_[f].fullness - kOutside) / (kWithin - kOutside), 0.f, 1.f);
+    for (std::size_t f = begin; f < end; ++f) {
+      const float full = (rows_[f].fullness - kOutside) / (kWithin - kOutside);
+      const float shut = (kOpen - rows_[f].room) / (kOpen - kTight);
+      inside[f] = std::clamp(std::max(full, shut), 0.f, 1.f);
+    }
   });
   average_onto_samples(*items_, *constants_, pairs_, inside, share_);
   for_blocks(share_.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
@@ -183,6 +190,8 @@ void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
 /// water with a surface weighs that mean is limited: a loss of volume looks the same, and hid in it. And the
 /// compression is never far below the sum: a particle in a gap between solids may not hide what is around it. At a
 /// surface the sum is short of neighbours, but never less than the truth when it is above.
+/// In gaps too narrow for a particle the sum says nothing: a lone particle there counts as compressed however much room
+/// it has, and would drive the solids apart.
 /// What the start shows is disorder for certain, as its volume is exact, and more than that beside round bodies; it is
 /// forgotten as particles pass each other.
 void ImplicitPressure::correct_compression(Particles& particles, bool first) {
@@ -201,7 +210,8 @@ void ImplicitPressure::correct_compression(Particles& particles, bool first) {
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];
-      const float seen = rows_[f].delta - 1;
+      const float open = std::clamp((rows_[f].room - kShut) / (kAjar - kShut), 0.f, 1.f), all = rows_[f].delta - 1;
+      const float seen = open * all + (1 - open) * std::min(all, 0.f);
       if (rows_[f].fullness < kSpray) {
         e = seen;
       } else if (rows_[f].fullness > kInside) {

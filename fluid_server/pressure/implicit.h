@@ -73,6 +73,7 @@ class ImplicitPressure : private QuadraticProgram {
   void set_up(const Particles& particles, std::span<const exchange::BodyState> states, const Response& response,
               const std::vector<SampleSums>& sums);
   static bool untouched(const Particles& particles);
+  void follow_films(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
   void release(Particles& particles, std::span<const exchange::BodyState> states, Response& response,
                std::vector<SampleSums>& sums);
   void without_pressure(std::span<const exchange::BodyState> states, Response& response, std::vector<SampleSums>& sums);
@@ -80,6 +81,7 @@ class ImplicitPressure : private QuadraticProgram {
   float source_of(float compression) const;
   float softness(std::size_t f) const;
   void find_shares();
+  void hold_squeezed();
   void balance_closed(const Particles& particles);
   void correct_compression(Particles& particles, bool first);
   void add_second_order(const Particles& particles, std::span<const float> invariant);
@@ -111,6 +113,11 @@ class ImplicitPressure : private QuadraticProgram {
   double uniform_ = 0;         // weight of a uniform pressure: balance_closed
   std::vector<float> share_;   // find_shares
   std::vector<float> source_;  // compression that a step takes back
+  struct Held {                // hold_squeezed
+    std::uint32_t particle;
+    float right;  // of its row
+  };
+  std::vector<Held> held_;
   std::vector<float> inverse_w_, yielding_, diagonal_, right_, pressure_, divergence_;
   std::vector<std::uint8_t> bounded_;
   std::vector<Flow> flow_;
@@ -123,6 +130,7 @@ class ImplicitPressure : private QuadraticProgram {
   std::vector<float> last_;                   // release
   std::span<const float> left_;               // the right side that the last solve has not met
   static constexpr float kInside = 0.8f;      // fullness of the inside
+  static constexpr float kShut = 0.1f;        // room of a gap that is taken to be shut
   static constexpr double kNegligible = 0.1;  // of the error that a step may leave
   float start_disorder_ = 0;                  // deviation of the summed density that the start shows
   double fluid_norm_ = 0, volume_ = 0, mean_diagonal_ = 0;

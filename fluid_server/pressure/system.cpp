@@ -62,6 +62,7 @@ void ImplicitPressure::set_up(const Particles& particles, std::span<const exchan
       bounded_[f] = rows_[f].fullness < kInside;
     }
   });
+  hold_squeezed();
 }
 
 /// What straight moves x + dt v of particles do to the volume beyond dt div v: det(1 + dt L) = 1 + dt div v + dt^2 Q,
@@ -159,11 +160,31 @@ void ImplicitPressure::release(Particles& particles, std::span<const exchange::B
     }
     report_.release_change = largest > 0 ? static_cast<double>(change) / largest : 0;
     if (report_.release_change < kSettled || report_.release_rounds == kMostRounds) break;
+    if (response.films() && (report_.release_rounds == 1 || !response.films()->empty())) {  // hang on the pressure
+      follow_films(states, response, sums);
+      set_up(particles, states, response, sums);
+    }
   }
   for (std::size_t f = 0; f < n; ++f) particles.compression[f] += softness(f) * pressure_[f];
   last_ = {};
   at_release_ = false;
   options_ = options, dt_ = dt, constants_ = usual;
+}
+
+/// The films for the pressure found so far, and what happens without it but with them.
+void ImplicitPressure::follow_films(std::span<const exchange::BodyState> states, Response& response,
+                                    std::vector<SampleSums>& sums) {
+  const auto put = [&](auto pressure) {
+    for_blocks(items_->fluid_item.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) items_->record[items_->fluid_item[f]].p = pressure(f);
+    });
+  };
+  put([&](std::size_t f) { return pressure_[f]; });
+  gather_samples(*items_, *extras_, *constants_, sums);
+  scale(sums);
+  response.solve(*items_, *extras_, sums, *constants_, states, Scheme::kLeftOut, Films::kFollow);
+  put([](std::size_t) { return 0.f; });
+  without_pressure(states, response, sums);
 }
 
 /// Wave number of a quarter of a wave over the extent of the fluid along its gravity, or its largest, 1/m.

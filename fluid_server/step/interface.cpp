@@ -47,7 +47,8 @@ Interface::Interface(const Scene& scene, std::span<const Body> bodies, bool fore
                                                                     : 0);
 }
 
-void Interface::begin(std::span<const exchange::BodyState> states) {
+void Interface::begin(std::span<const exchange::BodyState> states, bool at_start) {
+  may_repeat_ = iterates_ || (at_start && foresees_);
   assumed_.assign(states.begin(), states.end());
   // For dry bodies, too: one that becomes wet in a repetition must not find the scale of an earlier step, or none.
   for (std::size_t b = 0; b < states.size(); ++b) turning_[b] = radius_of_gyration(states[b]);
@@ -83,7 +84,7 @@ double Interface::measure(std::span<const exchange::Wrench> wrenches, std::span<
 bool Interface::settle(std::span<const exchange::Wrench> wrenches, std::span<const exchange::BodyState> after) {
   relative_ = measure(wrenches, after);
   ++iteration_;
-  if (!iterates_ || !wet_ || relative_ <= tolerance_ || iteration_ >= most_iterations_) return true;
+  if (!may_repeat_ || !wet_ || relative_ <= tolerance_ || iteration_ >= most_iterations_) return true;
   Eigen::VectorXd x(residual_.size());
   const auto at = [&](std::size_t b) { return x.segment<6>(6 * static_cast<Index>(b)); };
   for (std::size_t b = 0; b < assumed_.size(); ++b) {
@@ -107,7 +108,7 @@ void Interface::keep() {
   report_.most = std::max(report_.most, relative_);
   report_.iterations += static_cast<std::uint64_t>(iteration_);
   report_.most_iterations = std::max(report_.most_iterations, static_cast<std::uint64_t>(iteration_));
-  report_.unreached += iterates_ && relative_ > tolerance_;
+  report_.unreached += may_repeat_ && relative_ > tolerance_;
 }
 
 }  // namespace ballast::fluid

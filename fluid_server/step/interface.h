@@ -29,8 +29,9 @@ class Interface {
 
   void set_gravity(const Vec3& gravity) { gravity_ = gravity.norm(); }  ///< m/s^2
 
-  /// A step begins, or a try of it, from these states.
-  void begin(std::span<const exchange::BodyState> states);
+  /// A step begins, or a try of it, from these states. `at_start`: it is repeated by any scheme that foresees, since
+  /// nobody knows yet what contacts bear.
+  void begin(std::span<const exchange::BodyState> states, bool at_start = false);
   /// States that the fluid reckons with: those of begin(), the free acceleration replaced in repetitions.
   std::span<const exchange::BodyState> assumed() const { return assumed_; }
   /// What one exchange gave. True if the step can be kept: the residual is below the tolerance, or no further
@@ -40,6 +41,7 @@ class Interface {
   void keep();
 
   bool iterates() const { return iterates_; }
+  bool may_repeat() const { return may_repeat_; }  ///< the step at hand
   double tolerance() const { return tolerance_; }  ///< relative
   int most_iterations() const { return most_iterations_; }
   const InterfaceReport& report() const { return report_; }
@@ -52,7 +54,7 @@ class Interface {
  private:
   double measure(std::span<const exchange::Wrench> wrenches, std::span<const exchange::BodyState> after);
 
-  bool foresees_, iterates_;
+  bool foresees_, iterates_, may_repeat_ = false;
   double tolerance_;
   int most_iterations_;
   double gravity_;                 // m/s^2

@@ -24,7 +24,7 @@ bool advance(std::uint32_t& x, double move, double quantum, bool periodic) {
 
 }  // namespace
 
-void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
+void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt, bool may_repeat) {
   constants_.dt = static_cast<float>(dt);
   facts_before_ = facts_;
   lost_before_ = lost_, energy_lost_before_ = energy_lost_;
@@ -38,7 +38,7 @@ void WcsphFluid::begin(std::span<const exchange::BodyState> states, double dt) {
     prepare_extras();
   }
   sign_of_life_();
-  remember();
+  remember(may_repeat);
   const bool order_kept = items_->lists.valid;
   if (implicit_) {
     const AddingWatch watch(times_.pressure);
@@ -74,12 +74,12 @@ void WcsphFluid::again(std::span<const exchange::BodyState> states) {
 }
 
 /// What a step changes beside particles and facts.
-void WcsphFluid::remember() {
+void WcsphFluid::remember(bool may_repeat) {
   if (const Seepage* films = response_->films())
     films_before_.assign(films->wrenches().begin(), films->wrenches().end());
   barrier_before_ = barrier_->report();
   if (shifting_) shift_before_ = shifting_->report();
-  if (repeats_ && implicit_) compression_before_ = particles_.compression;
+  if (may_repeat && implicit_) compression_before_ = particles_.compression;
 }
 
 void WcsphFluid::put_back() {

@@ -65,8 +65,9 @@ class WcsphFluid {
   /// step. Costs some hundred sweeps where something gives way, one where all is in balance.
   QuietReport quiet_start(std::span<const exchange::BodyState> states);
 
-  /// First half of a step of length dt: everything up to the wrenches on the bodies in `states`.
-  void begin(std::span<const exchange::BodyState> states, double dt);
+  /// First half of a step of length dt: everything up to the wrenches on the bodies in `states`. `may_repeat`: again()
+  /// may be called.
+  void begin(std::span<const exchange::BodyState> states, double dt, bool may_repeat = false);
   /// The wrenches once more, for the same states with other free accelerations; between begin() and move(), and only
   /// with the iterated scheme. Nothing has moved: neighbours, lists and what hangs on velocities are as they were.
   void again(std::span<const exchange::BodyState> states);
@@ -130,7 +131,7 @@ class WcsphFluid {
  private:
   WcsphFluid() = default;
   void prepare_extras();
-  void remember();
+  void remember(bool may_repeat);
   void put_back();
   void respond(std::span<const exchange::BodyState> states);
   void put_accelerations_for_velocities();
@@ -164,7 +165,6 @@ class WcsphFluid {
   StepFacts facts_, facts_before_;
   bool contacts_every_step_ = false;  // they go to the engine
   std::span<const exchange::Contact> contacts_;
-  bool repeats_ = false;  // again() may be called
   std::vector<float> compression_before_;
   std::vector<exchange::Wrench> films_before_;
   BarrierReport barrier_before_;

@@ -114,7 +114,6 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   if (scene.world.dimension == 2) self.constants_.gravity[1] = 0;
   self.attraction_rate_ = scene.world.attraction_rate, self.attraction_centre_ = scene.world.attraction_centre;
   self.scheme_ = scene.coupling.scheme == "staggered" ? Scheme::kStaggered : Scheme::kInterlinked;
-  self.repeats_ = scene.coupling.scheme == "iterated";
   self.coordinates_ = Coordinates::make(choose_domain(scene, bodies, kernel.support), scene.world.periodic);
   for (int k = 0; k < 3; ++k)
     if (scene.world.periodic[k] &&

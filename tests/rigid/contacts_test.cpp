@@ -254,6 +254,21 @@ TEST_P(Contacts, R12_StacksStandStill) {
   }
 }
 
+/// Whether 0.1 + 0.2 is 0.3 is left to rounding; a body that fell for a step would be at g h^2 after it.
+TEST_P(Contacts, BodiesPutExactlyOntoEachOtherTouchFromTheFirstStep) {
+  if (!has_contacts()) return;
+  for (const double gap : {-1e-16, 0.0, 1e-16, 5e-16}) {
+    World world;
+    world.plane({0, 0, 1}, {0, 0, 0}, 0.3, 0.2);
+    const auto low = world.box(BodyMotion::kDynamic, 1, {0.2, 0.2, 0.2}, {0, 0, 0.1 + gap});
+    const auto high = world.box(BodyMotion::kDynamic, 1, {0.2, 0.2, 0.2}, {0, 0, 0.3 + 2 * gap});
+    Simulation run(GetParam(), world, 5e-3);
+    run.step();
+    EXPECT_NEAR(run.position(low).z(), 0.1, 1e-9) << gap;
+    EXPECT_NEAR(run.position(high).z(), 0.3, 1e-9) << gap;
+  }
+}
+
 TEST_P(Contacts, CapsuleLiesStillOnABox) {
   if (!has_contacts()) return;
   World world;

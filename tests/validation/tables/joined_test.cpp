@@ -1,7 +1,6 @@
 // Light bodies that joints bind, released in water, by coupling schemes and solvers side by side. The fluid cannot
-// foresee what a joint bears: the interlinked scheme must be wrong where the steps are long, the staggered one must
-// blow up where the water to be moved weighs much more than the body, and the iterated one right. Formulas: Lamb,
-// art. 93.
+// foresee what a joint bears: the iterated scheme must find it, the interlinked one at least in its first step, and the
+// staggered one blow up where the water to be moved weighs much more than the body. Formulas: Lamb, art. 93.
 #include <cmath>
 
 #include "tests/validation/run_command.h"
@@ -35,7 +34,7 @@ TEST_F(Joined, CylindersOnOneRodFallWithTheAddedMassOfBoth) {
   const std::string file = scene("joined_cylinders");
   const double exact = -9.81 * (4010 - 2000) / (4010 + 2 * 1000 * 5.0 / 3);
   EXPECT_LE(std::abs(error(file, "implicit", "iterated", exact)), 0.04);
-  EXPECT_GT(std::abs(error(file, "implicit", "interlinked", exact)), 0.2);
+  EXPECT_LE(std::abs(error(file, "implicit", "interlinked", exact)), 0.04) << "wrong by 87 % without a settled start";
   EXPECT_LE(std::abs(error(file, "wcsph", "iterated", exact)), 0.04);
 }
 
