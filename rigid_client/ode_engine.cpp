@@ -19,7 +19,7 @@ namespace {
 constexpr int kMostCuts = 2;          // times that a step may be cut at impacts
 constexpr double kLeastPiece = 0.01;  // of the step
 constexpr double kTravel = 0.5;       // of a body's least half extent: farthest move in one piece, against tunnelling
-constexpr double kStartLean = 1e-5;   // share of its height by which a body leans onto what is below, at the start
+constexpr double kStartLean = 1e-9;   // share of its height by which a body leans onto what is below, at the start
 constexpr double kTouchDepth = 1e-4;  // of length_scale: impacts deeper than this cut the step
 
 class OdeEngine : public Engine {
