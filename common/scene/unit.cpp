@@ -107,7 +107,8 @@ Result<Product> parse_units(std::string_view text, double spacing) {
     product.times(*unit, sign * *power);
     if (symbol.starts_with("spacing")) {
       if (spacing <= 0) {
-        return Error{"a length in spacings needs world.spacing, which is 0 or not set", "Set world.spacing in metres.", ""};
+        return Error{"a length in spacings needs world.spacing, which is 0 or not set", "Set world.spacing in metres.",
+                     ""};
       }
       product.times({"", spacing, 1, {}}, sign * *power);
     }
