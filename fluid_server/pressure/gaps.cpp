@@ -11,7 +11,7 @@ namespace ballast::fluid {
 void ImplicitPressure::hold_squeezed() {
   constexpr double kFirm = 1e3;  // of the mean diagonal
   held_.clear();
-  const Eigen::Vector3f quantum = items_->coordinates().quantum.cast<float>();
+  const Coordinates& coordinates = items_->coordinates();
   const Eigen::Map<const Eigen::Vector3f> gravity(constants_->gravity);
   for (std::uint32_t f = 0; f < rows_.size(); ++f) {
     if (!(rows_[f].room < kShut)) continue;
@@ -22,9 +22,7 @@ void ImplicitPressure::hold_squeezed() {
     for (std::uint32_t k = 0; k < items_->lists.count[item]; ++k) {
       const Record& other = items_->record[list[k]];
       if (!(other.volume > 0)) continue;
-      Eigen::Vector3f r(static_cast<float>(static_cast<std::int32_t>(own.x - other.x)) * quantum[0],
-                        static_cast<float>(static_cast<std::int32_t>(own.y - other.y)) * quantum[1],
-                        static_cast<float>(static_cast<std::int32_t>(own.z - other.z)) * quantum[2]);
+      Eigen::Vector3f r = coordinates.difference({own.x, own.y, own.z}, {other.x, other.y, other.z}).cast<float>();
       if (constants_->kernel.dimension == 2) r[1] = 0;
       const float weight = static_cast<float>(constants_->kernel.value(r.norm()));
       weights += weight;

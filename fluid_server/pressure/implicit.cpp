@@ -349,7 +349,7 @@ std::size_t ImplicitPressure::memory() const {
        {&share_, &source_, &inverse_w_, &yielding_, &diagonal_, &right_, &pressure_, &divergence_, &scaled_, &last_})
     floats += array->capacity();
   return floats * sizeof(float) + mprgp_.memory() + pairs_.memory() + rows_.capacity() * sizeof(RowSums) +
-         bounded_.capacity() + flow_.capacity() * sizeof(Flow) + bodies_.memory();
+         bounded_.capacity() + held_.capacity() * sizeof(Held) + flow_.capacity() * sizeof(Flow) + bodies_.memory();
 }
 
 }  // namespace ballast::fluid
