@@ -66,6 +66,31 @@ inline double lattice_gradient(const Kernel& kernel, double spacing) {
   return sum * std::pow(spacing, kernel.dimension) / kernel.dimension;
 }
 
+/// How fast pressure swings the particles of a cubic lattice about their places: a plane wave of displacements along an
+/// axis has omega^2 = kappa p / (rho d^2) under a uniform pressure p, from the second derivatives of the sum of
+/// 2 p V^2 W over the pairs. The largest kappa of all wave lengths; waves along other lines swing slower.
+inline double lattice_stiffness(const Kernel& kernel, double spacing) {
+  constexpr int kWaves = 64;
+  constexpr double kNear = 1e-4;  // difference quotient of the slope
+  const int reach = static_cast<int>(kernel.support / spacing), deep = kernel.dimension == 3 ? reach : 0;
+  double largest = 0;
+  for (int wave = 1; wave <= kWaves; ++wave) {
+    double sum = 0;
+    for (int i = -reach; i <= reach; ++i)
+      for (int j = -reach; j <= reach; ++j)
+        for (int k = -deep; k <= deep; ++k) {
+          const double x = spacing * i, r = spacing * std::sqrt(i * i + j * j + k * k);
+          if (r == 0) continue;
+          const double change =
+              (kernel.slope_over_r(r * (1 + kNear)) - kernel.slope_over_r(r * (1 - kNear))) / (2 * kNear);
+          const double second = kernel.slope_over_r(r) + x * x / (r * r) * change;  // d^2 W / dx^2
+          sum += second * (1 - std::cos(std::numbers::pi * wave / kWaves * i));
+        }
+    largest = std::max(largest, 2 * spacing * spacing * std::pow(spacing, kernel.dimension) * sum);
+  }
+  return largest;
+}
+
 inline Kernel Kernel::of(KernelKind kind, int dimension, double spacing, double support) {
   Kernel kernel{kind, dimension, (support > 0 ? support : support_in_spacings(kind)) * spacing};
   kernel.lattice = lattice_gradient(kernel, spacing);

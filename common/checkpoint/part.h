@@ -9,7 +9,7 @@
 namespace ballast::checkpoint {
 
 /// Raised whenever what is in the parts changes; other formats are refused.
-inline constexpr std::uint32_t kFormat = 9;
+inline constexpr std::uint32_t kFormat = 10;
 
 /// Folder of the checkpoint after a step: OUT/checkpoints/STEP, twelve digits.
 std::string folder_of(const std::string& out_dir, std::uint64_t step);

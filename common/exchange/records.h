@@ -165,9 +165,9 @@ struct Answer {
 static_assert(sizeof(Answer) == 48);
 
 /// What may limit a step: StepReport::limit is an index.
-inline constexpr std::array<const char*, 10> kStepLimits{"sound",        "viscosity",  "acceleration", "light body",
+inline constexpr std::array<const char*, 11> kStepLimits{"sound",        "viscosity",  "acceleration", "light body",
                                                          "rigid engine", "end of run", "retry",        "flow speed",
-                                                         "gravity",      "asleep"};
+                                                         "gravity",      "asleep",     "pressure"};
 
 /// Step report to the coordinator, by each process, every step.
 struct StepReport {

@@ -15,6 +15,7 @@ Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine
   if (facts.drag_rate > 0) shorten(1 / facts.drag_rate, Limit::kViscosity);
   if (limits.implicit && facts.meeting_speed > 0)
     shorten(limits.longest_move * limits.spacing / facts.meeting_speed, Limit::kSpeed);
+  if (limits.implicit) shorten(pressure_step(facts.lattice_rate), Limit::kPressure);
   if (!limits.implicit && facts.max_acceleration > 0)
     shorten(0.25 * std::sqrt(limits.h / facts.max_acceleration), Limit::kAcceleration);
   shorten(limits.staggered, Limit::kStaggered);

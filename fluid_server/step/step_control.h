@@ -15,6 +15,7 @@ struct StepFacts {
   double max_acceleration = 0;  ///< of particles, m/s^2
   double max_move = 0;          ///< in the step just done, at that speed, spacings
   double way = 0;               ///< of that in all steps
+  double lattice_rate = 0;      ///< implicit: at which pressure swings particles about their places, 1/s
   double drag_rate = 0;         ///< at which viscosity slows the lightest body, 1/s; 0 where it cannot matter
   bool finite = true;           ///< no NaN anywhere
 };
@@ -30,6 +31,7 @@ enum class Limit : std::uint32_t {
   kSpeed,
   kGravity,
   kAsleep,
+  kPressure,
   kCount
 };
 inline constexpr auto& kLimitNames = exchange::kStepLimits;
@@ -62,9 +64,17 @@ struct Step {
 /// Longest step of the viscous forces between particles, s.
 inline double viscous_step(double h, double kinematic_viscosity) { return h * h / (8 * kinematic_viscosity); }
 
+/// Longest step in which the particles of an implicit fluid keep their places under the pressure that they bear: no
+/// solve holds a lattice's own waves, and symplectic Euler lets those grow whose omega is above 2 / dt.
+inline double pressure_step(double lattice_rate) {
+  constexpr double kSafe = 0.9;
+  return lattice_rate > 0 ? 2 * kSafe / lattice_rate : 1e300;
+}
+
 /// Shortest of: courant h / (c + v); h^2 / (8 nu) and 1 / drag_rate; sqrt(h / a) / 4 (Monaghan 1992); the engine's
 /// bound; what is left to `end`. An implicit fluid has no sound: longest_move d / (meeting speed) and gravity_step in
-/// the place of the first and third. A step that would leave less than half a step is stretched over what is left.
+/// the place of the first and third, and pressure_step. A step that would leave less than half a step is stretched over
+/// what is left.
 Step choose_step(const StepLimits& limits, const StepFacts& facts, double engine_bound, double time, double end);
 
 }  // namespace ballast::fluid

@@ -9,6 +9,7 @@
 #include "common/adding_watch.h"
 #include "common/exchange/hash.h"
 #include "fluid_server/pressure/sums.h"
+#include "fluid_server/step/larger_than.h"
 #include "fluid_server/step/meeting_speed.h"
 
 namespace ballast::fluid {
@@ -93,6 +94,7 @@ void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   if (implicit_) {
     const AddingWatch watch(times_.pressure);
     implicit_options_.way = facts_.way;
+    implicit_options_.tolerance = tolerance_ * share_of_tolerance();
     implicit_->solve(particles_, *items_, extras_, constants_, states, *response_, sums_, acceleration_,
                      implicit_options_);
   }
@@ -102,6 +104,13 @@ void WcsphFluid::respond(std::span<const exchange::BodyState> states) {
   response_->solve(*items_, extras_, sums_, constants_, states, implicit_ ? Scheme::kLeftOut : scheme_, Films::kFollow);
   barrier_->solve(*items_, extras_, sums_, constants_, states, *response_);
   if (contacts_every_step_) contacts_ = response_->gather_contacts(states);
+}
+
+/// In the shorter steps of deep water that hardly moves, the same error of the density is one of a larger pressure.
+double WcsphFluid::share_of_tolerance() const {
+  const double longest = pressure_step(facts_.lattice_rate);
+  if (!(longest < gravity_step_) || facts_.meeting_speed * longest > longest_move_ * spacing_) return 1;
+  return std::pow(longest / gravity_step_, 2);
 }
 
 void WcsphFluid::prepare_extras() {
@@ -166,6 +175,7 @@ void WcsphFluid::move(const std::function<void()>& first) {
       // In free flight up to half of the support, so that what comes into sight is never passed.
       const double alone = longest_move_ * spacing_ / (0.5 * constants_.kernel.support);
       facts_.meeting_speed = meeting_speed(particles_, *items_, alone, constants_.threads);
+      facts_.lattice_rate = lattice_rate();
     }
     facts_.max_move = facts_.meeting_speed * dt / spacing_;
     facts_.way += facts_.max_move;
@@ -176,6 +186,19 @@ void WcsphFluid::move(const std::function<void()>& first) {
     }
     if (left) remove_lost();
   }
+}
+
+/// By the pressure that only a hundredth of the particles exceed: the few that an impact hits keep no lattice.
+double WcsphFluid::lattice_rate() const {
+  constexpr std::size_t kShare = 100;
+  std::vector<float> pressure(particles_.size());  // over the density
+  for_blocks(particles_.size(), constants_.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      pressure[f] = std::max(particles_.record[f].p, 0.f) / extras_.density_of(items_->fluid_item[f]);
+  });
+  if (pressure.empty()) return 0;
+  const double p = larger_than_all_but(pressure.size() / kShare, pressure, constants_.threads);
+  return std::sqrt(lattice_stiffness_ * p) / spacing_;
 }
 
 void WcsphFluid::attract() {

@@ -137,6 +137,8 @@ class WcsphFluid {
   void put_accelerations_for_velocities();
   /// Adds the field of world.attraction to the accelerations.
   void attract();
+  double lattice_rate() const;
+  double share_of_tolerance() const;
   /// Way from the centre of that field to a particle, m.
   Vec3 from_centre(const Record& r) const;
   void remove_lost();
@@ -161,7 +163,11 @@ class WcsphFluid {
   std::unique_ptr<ImplicitPressure> implicit_;  // null: the fluid is weakly compressible
   std::unique_ptr<Shifting> shifting_;          // null: particles go where their velocity takes them
   ImplicitOptions implicit_options_;
-  double longest_move_ = 0;  // of an implicit step, spacings
+  // of the implicit solver
+  double longest_move_ = 0;       // of a step, spacings
+  double gravity_step_ = 0;       // s, 0 without gravity
+  double tolerance_ = 0;          // mean density error left by a step of that length
+  double lattice_stiffness_ = 0;  // kernel.h
   StepFacts facts_, facts_before_;
   bool contacts_every_step_ = false;  // they go to the engine
   std::span<const exchange::Contact> contacts_;

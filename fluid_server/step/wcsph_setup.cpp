@@ -175,7 +175,9 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
     self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
     self.particles_.has_compression = true;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
-    self.implicit_options_.tolerance = settings.tolerance * settings.gravity_share * settings.gravity_share;
+    self.tolerance_ = settings.tolerance * settings.gravity_share * settings.gravity_share;
+    self.gravity_step_ = scene.world.gravity.norm() > 0 ? gravity_step(scene) : 0;
+    self.lattice_stiffness_ = lattice_stiffness(kernel, self.spacing_);
     self.implicit_options_.body_tolerance = settings.body_tolerance;
     self.implicit_options_.body_products = settings.body_products;
     self.longest_move_ = settings.longest_move;

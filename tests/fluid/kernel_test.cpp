@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <utility>
+#include <vector>
+
 namespace ballast::fluid {
 namespace {
 
@@ -50,6 +54,40 @@ TEST_P(Kernels, GiveGradientAndLaplacianOnALattice) {
   EXPECT_NEAR(gradient, 1, 1e-12);
   EXPECT_NEAR(laplacian, 2, 1e-12);
   EXPECT_NEAR(kernel_.lattice, 1, 0.03);  // it mends the rounding by the sampling, no more
+}
+
+// The stiffest wave of displacements on a lattice under pressure, by every wave vector of a grid and every line of
+// motion, with second derivatives from differences of W itself.
+TEST_P(Kernels, SwingALatticeUnderPressureNoFasterThanTheySay) {
+  const int n = 3, dim = kernel_.dimension, deep = dim == 3 ? n : 0, waves = 16;
+  const double volume = std::pow(kSpacing, dim), dx = 1e-4 * kSpacing;
+  const auto w = [&](const Eigen::Vector3d& at) { return kernel_.value(at.norm()) / kernel_.lattice; };
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Matrix3d>>
+      pairs;  // place in spacings, 2 d^2 V times second derivatives
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j)
+      for (int k = -deep; k <= deep; ++k) {
+        const Eigen::Vector3d at(i, j, k);
+        if (at.isZero() || at.norm() * kSpacing > kernel_.support) continue;
+        Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+        for (int a = 0; a < dim; ++a)
+          for (int b = 0; b < dim; ++b) {
+            const Eigen::Vector3d ea = dx * Eigen::Vector3d::Unit(a), eb = dx * Eigen::Vector3d::Unit(b),
+                                  x = kSpacing * at;
+            second(a, b) = (w(x + ea + eb) - w(x + ea - eb) - w(x - ea + eb) + w(x - ea - eb)) / (4 * dx * dx);
+          }
+        pairs.emplace_back(at, 2 * kSpacing * kSpacing * volume * second);
+      }
+  double largest = 0;
+  for (int i = 0; i <= waves; ++i)
+    for (int j = 0; j <= i; ++j)
+      for (int k = 0; k <= (dim == 3 ? j : 0); ++k) {
+        const Eigen::Vector3d wave = std::numbers::pi / waves * Eigen::Vector3d(i, j, k);
+        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+        for (const auto& [at, second] : pairs) sum += (1 - std::cos(wave.dot(at))) * second;
+        largest = std::max(largest, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvalues().maxCoeff());
+      }
+  EXPECT_NEAR(lattice_stiffness(kernel_, kSpacing) / largest, 1, 5e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Kernels,
