@@ -91,6 +91,16 @@ inline double lattice_stiffness(const Kernel& kernel, double spacing) {
   return largest;
 }
 
+/// Sum of W over a cubic lattice, over what it stands for: a particle of it has this summed density, not 1.
+inline double lattice_density(const Kernel& kernel, double spacing) {
+  const int reach = static_cast<int>(kernel.support / spacing), deep = kernel.dimension == 3 ? reach : 0;
+  double sum = 0;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -deep; k <= deep; ++k) sum += kernel.value(spacing * std::sqrt(double(i * i + j * j + k * k)));
+  return sum * std::pow(spacing, kernel.dimension);
+}
+
 inline Kernel Kernel::of(KernelKind kind, int dimension, double spacing, double support) {
   Kernel kernel{kind, dimension, (support > 0 ? support : support_in_spacings(kind)) * spacing};
   kernel.lattice = lattice_gradient(kernel, spacing);

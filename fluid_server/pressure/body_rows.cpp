@@ -162,6 +162,19 @@ void BodyRows::spread_scaled(std::span<const Vector6> y, std::span<const float> 
   for_each_row(y, [&](std::uint32_t particle, float value) { out[particle] -= value / diagonal[particle]; });
 }
 
+bool BodyRows::has_piston() const {
+  constexpr float kOneSided = 0.5f;  // share of the push on all sides that is left of it; around a body: none
+  return std::ranges::any_of(rows_, [&](const std::vector<Row>& rows) {
+    Eigen::Matrix<float, 6, 1> all = Eigen::Matrix<float, 6, 1>::Zero();
+    float sizes = 0;
+    for (const Row& row : rows) {
+      const auto u = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(row.u);
+      all += u, sizes += u.norm();
+    }
+    return all.norm() > kOneSided * sizes;
+  });
+}
+
 void BodyRows::factor(std::span<const float> diagonal) {
   slot_.assign(root_.size(), kNone);
   std::uint32_t slots = 0;

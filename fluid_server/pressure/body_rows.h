@@ -35,6 +35,8 @@ class BodyRows {
   Vector6 motion(std::size_t body, const Vector6& y) const { return root_[body] * y; }
   /// Largest eigenvalue that the bodies add to the system scaled by its diagonal (an upper bound).
   double norm() const { return norm_; }
+  /// True if a uniform pressure moves a body: one that is not surrounded, but closes off the water as a piston does.
+  bool has_piston() const;
   /// Prepares T = 1 + U^T D^-1 U for solve().
   void factor(std::span<const float> diagonal);
   void solve(std::vector<Vector6>& y) const;  ///< y = T^-1 y

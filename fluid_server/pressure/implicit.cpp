@@ -163,14 +163,15 @@ void ImplicitPressure::find_shares() {
 
 /// A fluid without a surface cannot change its volume, and no pressure answers the mean of the right side but a uniform
 /// one, which moves disordered particles a little: it would grow until it does (Taylor-Green vortices stood still after
-/// two steps). Takes that mean away, and gives the uniform pressure a weight of its own, that of one particle.
+/// two steps). Takes that mean away, and gives the uniform pressure a weight of its own, that of one particle. A piston
+/// answers it.
 void ImplicitPressure::balance_closed(const Particles& particles) {
   const std::size_t n = particles.size();
   const auto [right, volume, surface] = sum_of<3>(n, constants_->threads, [&](std::size_t f, auto& sum) {
     sum[0] += right_[f], sum[1] += particles.record[f].volume, sum[2] += bounded_[f];
   });
   uniform_ = 0;
-  if (surface > 0 || !(volume > 0)) return;
+  if (surface > 0 || !(volume > 0) || bodies_.has_piston()) return;
   uniform_ = mean_diagonal_;
   const float whole = static_cast<float>(right / volume);
   for_blocks(n, constants_->threads, [&](std::size_t begin, std::size_t end) {
@@ -195,22 +196,25 @@ void ImplicitPressure::scale(std::vector<SampleSums>& sums) const {
 /// What the start shows is disorder for certain, as its volume is exact, and more than that beside round bodies; it is
 /// forgotten as particles pass each other.
 void ImplicitPressure::correct_compression(Particles& particles, bool first) {
+  // With short kernels the sum over what is packed evenly is off by more than disorder makes.
+  const float even = std::abs(lattice_density_ - 1) > kDisorder ? 1 / lattice_density_ : 1.f;
   const auto [excess, inside] = sum_of<2>(particles.size(), constants_->threads, [&](std::size_t f, auto& sum) {
-    if (rows_[f].fullness > kInside) sum[0] += rows_[f].delta - 1 - particles.compression[f], ++sum[1];
+    if (rows_[f].fullness > kInside) sum[0] += even * rows_[f].delta - 1 - particles.compression[f], ++sum[1];
   });
   float bias = inside > 0 ? static_cast<float>(excess / inside) : 0.f;
   if (weighs_ && inside < static_cast<double>(particles.size())) bias = std::min(bias, kMostBias);
   if (first)
     start_disorder_ = fold<DensityError>(particles.size(), constants_->threads, [&](std::size_t f, DensityError& part) {
                         if (rows_[f].fullness > kInside)
-                          part.worst = std::max(part.worst, std::abs(rows_[f].delta - 1 - bias));
+                          part.worst = std::max(part.worst, std::abs(even * rows_[f].delta - 1 - bias));
                       }).worst;
   const float more = std::clamp(start_disorder_, kDisorder, kLag) - kDisorder;
   const float disorder = kDisorder + more * static_cast<float>(std::exp(-options_.way));
   for_blocks(particles.size(), constants_->threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       float& e = particles.compression[f];
-      const float open = std::clamp((rows_[f].room - kShut) / (kAjar - kShut), 0.f, 1.f), all = rows_[f].delta - 1;
+      const float open = std::clamp((rows_[f].room - kShut) / (kAjar - kShut), 0.f, 1.f),
+                  all = even * rows_[f].delta - 1;
       const float seen = open * all + (1 - open) * std::min(all, 0.f);
       if (rows_[f].fullness < kSpray) {
         e = seen;

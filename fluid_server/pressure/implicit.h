@@ -42,7 +42,8 @@ struct ImplicitReport {
 
 class ImplicitPressure : private QuadraticProgram {
  public:
-  ImplicitPressure(const Samples& samples, double spacing) : samples_(samples), spacing_(spacing) {}
+  ImplicitPressure(const Samples& samples, const Kernel& kernel, double spacing)
+      : samples_(samples), spacing_(spacing), lattice_density_(static_cast<float>(lattice_density(kernel, spacing))) {}
 
   /// Lists are built; `sums`, `acceleration` and the samples' pressures are scratch. Finds the pressure of every
   /// particle into its record and its item's, and advances `particles.compression`. The caller then lets `response`
@@ -94,6 +95,7 @@ class ImplicitPressure : private QuadraticProgram {
 
   const Samples& samples_;
   double spacing_;
+  float lattice_density_;
   // of the solve at hand
   Particles* particles_ = nullptr;
   Neighbourhood* items_ = nullptr;

@@ -12,7 +12,7 @@ struct AccuracyClass {
   double body_tolerance;       ///< implicit: change of a body's acceleration, of max(|a|, |G|) ...
   std::size_t body_products;   ///< ... over this many products
   double interface_tolerance;  ///< iterated scheme: interface residual that a step may leave, relative
-  bool cubic_in_3d;            ///< cubic spline with support 2 d in 3-D, else Wendland C2 with 2.9 d
+  bool brief_in_3d;            ///< 3-D: cubic spline with support 2 d, implicit Wendland C2 with 2.1 d; else with 2.9 d
 };
 
 constexpr AccuracyClass settings_of(Accuracy accuracy) {

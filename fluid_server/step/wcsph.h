@@ -184,6 +184,9 @@ class WcsphFluid {
   std::string lost_where_;
 };
 
+/// The scene's, or that of its accuracy class and solver.
+Kernel choose_kernel(const Scene& scene);
+
 /// Longest step of an implicit fluid at rest under gravity, s: a share of sqrt(d / |G|) that the accuracy class sets.
 double gravity_step(const Scene& scene);
 

@@ -86,6 +86,19 @@ double choose_sound_speed(const Scene& scene, const std::vector<Body>& bodies, c
   return 10 * speed;
 }
 
+Kernel choose_kernel(const Scene& scene) {
+  constexpr double kShortest = 2.1;  // support of a Wendland kernel, in spacings, that keeps a lattice: README.md
+  KernelKind kind = scene.numerics.kernel;
+  double support = scene.numerics.support;
+  if (kind == KernelKind::kAuto) {
+    const bool brief = scene.world.dimension == 3 && settings_of(scene.world.accuracy).brief_in_3d;
+    const bool implicit = scene.numerics.pressure == Pressure::kImplicit;
+    kind = brief && !implicit ? KernelKind::kCubic : KernelKind::kWendland;
+    if (brief && implicit && support == 0) support = kShortest;
+  }
+  return Kernel::of(kind, scene.world.dimension, scene.world.spacing, support);
+}
+
 double gravity_step(const Scene& scene) {
   const double gravity = scene.world.gravity.norm();
   if (gravity == 0) return 1e300;
@@ -99,10 +112,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.sign_of_life_ = std::move(sign_of_life);
   self.spacing_ = scene.world.spacing;
   const AccuracyClass settings = settings_of(scene.world.accuracy);
-  const KernelKind kind = scene.numerics.kernel != KernelKind::kAuto           ? scene.numerics.kernel
-                          : scene.world.dimension == 3 && settings.cubic_in_3d ? KernelKind::kCubic
-                                                                               : KernelKind::kWendland;
-  const Kernel kernel = Kernel::of(kind, scene.world.dimension, scene.world.spacing, scene.numerics.support);
+  const Kernel kernel = choose_kernel(scene);
   self.constants_.kernel = kernel;
   self.constants_.diffusion = static_cast<float>(scene.numerics.diffusion);
   // Implicit pressure stops what meets within the step; beside it the ram pressure of such long steps shakes light
@@ -172,7 +182,7 @@ Result<std::unique_ptr<WcsphFluid>> WcsphFluid::make(const Scene& scene, const s
   self.barrier_ =
       std::make_unique<Barrier>(*self.samples_, bodies, self.spacing_, scene.numerics.pressure != Pressure::kImplicit);
   if (scene.numerics.pressure == Pressure::kImplicit) {
-    self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, self.spacing_);
+    self.implicit_ = std::make_unique<ImplicitPressure>(*self.samples_, kernel, self.spacing_);
     self.particles_.has_compression = true;
     self.particles_.compression.assign(self.particles_.size(), 0.f);
     self.tolerance_ = settings.tolerance * settings.gravity_share * settings.gravity_share;

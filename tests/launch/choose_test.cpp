@@ -52,14 +52,23 @@ TEST(Choose, WithoutFluidOrMotionThereIsNothingToChoose) {
   EXPECT_EQ(choose(still).scheme_reason, "");
 }
 
-TEST(Choose, TheSolverIsTheExplicitOneAndTheReasonFitsTheScene) {
+TEST(Choose, TheSolverAndTheReasonFitTheScene) {
   Scene scene = crate_in_water();
   EXPECT_NE(choose(scene).pressure_reason.find("bodies move freely"), std::string::npos);
   EXPECT_EQ(scene.numerics.pressure, Pressure::kWcsph);
   Scene empty = crate_in_water();
   empty.models.pop_back();
   empty.world.accuracy = Accuracy::kInteractive;
-  EXPECT_NE(choose(empty).pressure_reason.find("still water"), std::string::npos);
+  Scene flat = empty, weightless = empty, slow = empty;
+  EXPECT_NE(choose(empty).pressure_reason.find("nothing moves freely"), std::string::npos);
+  EXPECT_EQ(empty.numerics.pressure, Pressure::kImplicit);
+  flat.world.dimension = 2;
+  weightless.world.gravity = Vec3::Zero();
+  slow.numerics.courant = 0.3;  // which the implicit solver does not know
+  for (Scene* other : {&flat, &weightless, &slow}) {
+    EXPECT_NE(choose(*other).pressure_reason, "");
+    EXPECT_EQ(other->numerics.pressure, Pressure::kWcsph);
+  }
 }
 
 TEST(Choose, ParticlesAreShiftedWhereNoWeightPressesThemTogether) {
