@@ -190,14 +190,14 @@ void WcsphFluid::move(const std::function<void()>& first) {
 
 /// By the pressure that only a hundredth of the particles exceed: the few that an impact hits keep no lattice.
 double WcsphFluid::lattice_rate() const {
-  constexpr std::size_t kShare = 100;
+  constexpr std::size_t kExceeded = 100;  // by one in so many
   std::vector<float> pressure(particles_.size());  // over the density
   for_blocks(particles_.size(), constants_.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       pressure[f] = std::max(particles_.record[f].p, 0.f) / extras_.density_of(items_->fluid_item[f]);
   });
   if (pressure.empty()) return 0;
-  const double p = larger_than_all_but(pressure.size() / kShare, pressure, constants_.threads);
+  const double p = larger_than_all_but(pressure.size() / kExceeded, pressure, constants_.threads);
   return std::sqrt(lattice_stiffness_ * p) / spacing_;
 }
 
