@@ -190,7 +190,7 @@ void WcsphFluid::move(const std::function<void()>& first) {
 
 /// By the pressure that only a hundredth of the particles exceed: the few that an impact hits keep no lattice.
 double WcsphFluid::lattice_rate() const {
-  constexpr std::size_t kExceeded = 100;  // by one in so many
+  constexpr std::size_t kExceeded = 100;           // by one in so many
   std::vector<float> pressure(particles_.size());  // over the density
   for_blocks(particles_.size(), constants_.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
