@@ -88,8 +88,10 @@ void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& 
     read_rims(face, states[face.body], wet);
     spread(face);
     const Quat rotation = rotation_of(states[face.body]);
-    for (Covered& c : face.covered)
+    for (Covered& c : face.covered) {
+      if (c.reached && c.trapped) hold_trapped(c, states[face.body]);
       if (c.reached && !counted(face, c.other)) c.bears = c.share * bearing(c, rotation, states[c.other]);
+    }
   });
   for (const Face& face : faces_) {
     if (!face.has_films) continue;
@@ -97,6 +99,13 @@ void Seepage::solve(std::span<const exchange::BodyState> states, const FindWet& 
     note_closed(face, wet);
   }
   close();
+}
+
+/// What is trapped in a gap presses with the pressure that it happens to have; the film bears what it lacks.
+void Seepage::hold_trapped(Covered& covered, const exchange::BodyState& state) const {
+  const double film = covered.head + column(covered.point, state);
+  covered.lacks = film > 0 ? std::clamp(1 - covered.inside / film, 0.0, 1.0) : 0;
+  covered.share *= 1 - covered.pressed * (1 - covered.lacks);
 }
 
 double Seepage::column(const Vec3& point, const exchange::BodyState& state) const {
@@ -114,9 +123,14 @@ void Seepage::read_rims(Face& face, const exchange::BodyState& state, const Find
     if (!(c.share > 0)) continue;
     const Place& place = face.places[i];
     if (const std::optional<Wet> found = wet(place.sample)) {
-      c.share *= std::clamp(1 + found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
+      const double pressed = std::clamp(-found->area.dot(c.normal) / (kFirstLayer * place.area), 0.0, 1.0);
       // Far inside a gap only what was trapped there is seen: the film bears on it, not it on the film.
-      if (c.gap < kNarrow * spacing_ && std::ranges::none_of(place.neighbours, beside)) continue;
+      c.trapped = c.gap < kNarrow * spacing_ && std::ranges::none_of(place.neighbours, beside);
+      if (c.trapped) {
+        c.pressed = pressed, c.inside = found->seen;
+        continue;
+      }
+      c.share *= 1 - pressed;
       c.known = c.reached = true;
       const double shut = std::clamp((kAjar - c.gap / spacing_) / (kAjar - kShut), 0.0, 1.0);
       const double pressure = found->pressure + shut * (found->seen - found->pressure);
@@ -159,6 +173,12 @@ void Seepage::note_closed(const Face& face, const FindWet& wet) {
   Closed& closed = closed_.emplace_back(face.body);
   for (std::uint32_t k = samples_.first[face.body]; k < samples_.first[face.body + 1]; ++k)
     if (const auto found = wet(samples_.order[k])) closed.open += (1 + found->share) * found->area;
+  for (std::size_t i = 0; i < face.covered.size(); ++i) {
+    const Covered& c = face.covered[i];
+    if (!(c.lacks > 0)) continue;
+    if (const auto found = wet(face.places[i].sample))
+      closed.open -= c.lacks * (1 + found->share) / kFirstLayer * found->area;
+  }
 }
 
 /// Around such a body a uniform pressure has no force: what its samples do not bear of it, its films do. Their areas

@@ -63,6 +63,10 @@ class Seepage {
     double head = 0;
     double bears = 0;  // share of its area that the film bears
     bool known = false, reached = false, dry = false;
+    bool trapped = false;                              // particles that cannot get out press on it
+    double pressed = 0;                                // share of its area that they press on ..
+    double inside = 0;                                 // .. with this pressure, Pa
+    double lacks = 0;                                  // share of the film's pressure that theirs is short of
     Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the body's surface, world
   };
   struct Face {
@@ -89,6 +93,7 @@ class Seepage {
   bool cover(Face& face, std::span<const exchange::BodyState> states, const FindWet& wet) const;
   double bearing(const Covered& covered, const Quat& rotation, const exchange::BodyState& other) const;
   void spread(Face& face) const;
+  void hold_trapped(Covered& covered, const exchange::BodyState& state) const;
   bool counted(const Face& face, std::uint32_t other) const;
   struct Closed {  // a body with water or films on every side
     explicit Closed(std::uint32_t of) : body(of) {}
