@@ -2,6 +2,7 @@
 #include "launch/choose.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ballast::launch {
 
@@ -28,13 +29,19 @@ bool has_free_bodies(const Scene& scene) {
   return std::ranges::any_of(scene.models, [](const Model& m) { return m.motion == Motion::kDynamic; });
 }
 
+/// Do viscous forces bound the step of either solver? Then the implicit one's cost more, and are no longer.
+bool is_viscous(const Scene& scene) {
+  const double d = scene.world.spacing, free = 0.2 * std::sqrt(d / scene.world.gravity.norm());
+  return std::ranges::any_of(scene.fluids, [&](const Fluid& f) { return d * d / 8 < free * f.viscosity / f.density; });
+}
+
 /// Is the implicit solver the better choice? Measured in still water and dam breaks: README.md. Keys that only the
 /// explicit one knows ask for that.
 bool implicit_pays(const Scene& scene) {
   const bool asks_for_explicit = scene.numerics.courant > 0 || scene.numerics.diffusion != Numerics{}.diffusion ||
-                                 scene.coupling.scheme == "staggered";
+                                 scene.world.attraction_rate > 0 || scene.coupling.scheme == "staggered";
   return scene.world.accuracy == Accuracy::kInteractive && scene.world.dimension == 3 && !has_free_bodies(scene) &&
-         !scene.world.gravity.isZero(0) && !is_closed(scene) && !asks_for_explicit;
+         !scene.world.gravity.isZero(0) && !is_closed(scene) && !is_viscous(scene) && !asks_for_explicit;
 }
 
 /// Why the explicit solver, for this scene.
@@ -43,7 +50,8 @@ std::string why_explicit(const Scene& scene) {
     return "bodies move freely, and only with it do films of water under and between them bear what they should";
   if (scene.world.accuracy != Accuracy::kInteractive)
     return "the implicit solver takes half to twice as long here, and its pressure at rest is noisier";
-  return "the implicit solver is chosen by itself only for water with weight and a surface in 3-D";
+  return "the implicit solver is chosen by itself only in 3-D, for a fluid with weight, a surface, and little "
+         "viscosity";
 }
 
 }  // namespace

@@ -59,13 +59,15 @@ TEST(Choose, TheSolverAndTheReasonFitTheScene) {
   Scene empty = crate_in_water();
   empty.models.pop_back();
   empty.world.accuracy = Accuracy::kInteractive;
-  Scene flat = empty, weightless = empty, slow = empty;
+  empty.world.spacing = 0.05;
+  Scene flat = empty, weightless = empty, slow = empty, oil = empty;
+  oil.fluids[0].viscosity = 100;
   EXPECT_NE(choose(empty).pressure_reason.find("nothing moves freely"), std::string::npos);
   EXPECT_EQ(empty.numerics.pressure, Pressure::kImplicit);
   flat.world.dimension = 2;
   weightless.world.gravity = Vec3::Zero();
   slow.numerics.courant = 0.3;  // which the implicit solver does not know
-  for (Scene* other : {&flat, &weightless, &slow}) {
+  for (Scene* other : {&flat, &weightless, &slow, &oil}) {
     EXPECT_NE(choose(*other).pressure_reason, "");
     EXPECT_EQ(other->numerics.pressure, Pressure::kWcsph);
   }
