@@ -193,8 +193,10 @@ double WcsphFluid::lattice_rate() const {
   constexpr std::size_t kExceeded = 100;           // by one in so many
   std::vector<float> pressure(particles_.size());  // over the density
   for_blocks(particles_.size(), constants_.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      pressure[f] = std::max(particles_.record[f].p, 0.f) / extras_.density_of(items_->fluid_item[f]);
+    for (std::size_t f = begin; f < end; ++f) {
+      const float p = particles_.record[f].p;  // -0 is no number >= 0 by its bits
+      pressure[f] = p > 0 ? p / extras_.density_of(items_->fluid_item[f]) : 0.f;
+    }
   });
   if (pressure.empty()) return 0;
   const double p = larger_than_all_but(pressure.size() / kExceeded, pressure, constants_.threads);
