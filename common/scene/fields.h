@@ -250,10 +250,7 @@ template <class V>
 void visit(V& v, Numerics& n) {
   v({"pressure", kNone, "solver"}, n.pressure);
   v({"kernel", kNone, ""}, n.kernel);
-  v({"support", kNone,
-     "radius of the kernel in spacings; 0: 2 (cubic), 2.9 (wendland), 2.1 (auto, implicit, 3-D, interactive)",
-     Range{0, 6}},
-    n.support);
+  v({"support", kNone, "radius of the kernel in spacings; 0: 2 (cubic), 2.1, 2.9 (wendland)", Range{0, 6}}, n.support);
   v({"sound_speed", kSpeed, "0: ten times the largest speed expected", kNotNegative}, n.sound_speed);
   v.when(n.pressure != Pressure::kImplicit, "the explicit solver (numerics.pressure: wcsph)", [&](auto& w) {
     w({"courant", kNone, "number of the acoustic step; 0: the accuracy class's", kNotNegative}, n.courant);
