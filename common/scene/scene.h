@@ -176,7 +176,7 @@ enum class KernelKind { kAuto, kCubic, kWendland };
 struct Numerics {
   Pressure pressure = Pressure::kAuto;
   KernelKind kernel = KernelKind::kAuto;
-  double support = 0;                  ///< radius of the kernel in spacings; 0: 2 (cubic), 2.9 (Wendland), 2.1 (choose_kernel)
+  double support = 0;                  ///< radius of the kernel, spacings; 0: 2 (cubic), 2.1 or 2.9 (Wendland)
   double sound_speed = 0;              ///< m/s; 0: ten times the largest speed expected
   double courant = 0;                  ///< of the acoustic step; 0: the accuracy class's
   double diffusion = 0.1;              ///< delta-SPH density diffusion (Molteni and Colagrossi 2009)
