@@ -47,7 +47,8 @@ bool implicit_pays(const Scene& scene) {
 /// Why the explicit solver, for this scene.
 std::string why_explicit(const Scene& scene) {
   if (has_free_bodies(scene))
-    return "bodies move freely, and only with it do films of water under and between them bear what they should";
+    return "bodies move freely, and which solver is the better one then hangs on the scene: the implicit one has to be "
+           "asked for";
   if (scene.world.accuracy != Accuracy::kInteractive)
     return "the implicit solver takes half to twice as long here, and its pressure at rest is noisier";
   return "the implicit solver is chosen by itself only in 3-D, for a fluid with weight, a surface, and little "
